@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "core/base/log.h"
+#include "core/base/parallel.h"
+#include "core/params/param_text.h"
+#include "core/scene/scene.h"
+#include "core/trace/ray_scene.h"
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+/// The commands of lightloom-cli as plain functions; main.cpp parses the command line into these structs. Results go to
+/// stdout or the output file, progress and log to stderr. Each returns the exit code.
+namespace lightloom::cli {
+
+enum ExitCode { kDone = 0, kFailed = 1, kUsage = 2, kBadInput = 3, kWouldNotFit = 4, kInterrupted = 130 };
+
+enum class ProgressStyle { automatic, bar, json, none };
+
+/// Options every command takes, and the services they configure.
+struct Context {
+    int threads = 0;
+    bool quiet = false, json = false;
+    ProgressStyle progress = ProgressStyle::automatic;
+    LogSink log;          ///< writes to stderr at the asked level
+    std::stop_token stop; ///< SIGINT
+    Workers* workers = nullptr;
+};
+
+/// Bake options as given, turned into parameters by `bakeParams`.
+struct BakeOptions {
+    std::string preset = "preview";
+    std::vector<std::string> set; ///< NAME=VALUE
+    std::optional<std::uint64_t> seed;
+    std::optional<double> targetStderr;
+    Isa isa = Isa::automatic;
+};
+[[nodiscard]] Result<BakeParams> bakeParams(const BakeOptions& options);
+
+/// Prints `error` as one line on stderr and gives its exit code.
+int fail(const Error& error);
+
+int info(const Context& context, const std::string& scene);
+int makeScene(const Context& context, const std::string& name, std::optional<std::uint64_t> triangles,
+              const std::string& output);
+int params(const Context& context);
+int points(const Context& context, const std::string& scene, std::uint64_t count, std::uint64_t seed,
+           const std::string& output);
+
+struct BakeCommand {
+    std::string scene, method, output;
+    BakeOptions options;
+};
+int bake(const Context& context, const BakeCommand& command);
+
+struct ProbeCommand {
+    std::string scene, method, points, bakeFile, output;
+    BakeOptions options;
+};
+int probe(const Context& context, const ProbeCommand& command);
+
+struct RenderCommand {
+    std::string scene, method, bakeFile, camera, output;
+    int width = 800, height = 600;
+    std::optional<int> samplesPerPixel;
+    BakeOptions options;
+};
+int render(const Context& context, const RenderCommand& command);
+
+struct CompareCommand {
+    std::string a, b, metric, heatmap;
+};
+int compare(const Context& context, const CompareCommand& command);
+
+} // namespace lightloom::cli

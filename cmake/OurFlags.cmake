@@ -1,0 +1,15 @@
+# Flags for our own code only. Any x86-64-v2 machine runs the program; hot loops pick wider vectors at run time.
+# -ffp-contract=off: a fused multiply-add would give other bits on other machines.
+add_library(lightloom_flags INTERFACE)
+target_compile_options(lightloom_flags INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wnon-virtual-dtor -Werror
+  -march=x86-64-v2 -ffp-contract=off -fno-math-errno)
+target_compile_definitions(lightloom_flags INTERFACE GLM_FORCE_XYZW_ONLY GLM_ENABLE_EXPERIMENTAL QT_NO_KEYWORDS)
+target_include_directories(lightloom_flags INTERFACE ${PROJECT_SOURCE_DIR})
+if(LIGHTLOOM_ASSERTS)
+  target_compile_options(lightloom_flags INTERFACE -UNDEBUG)
+endif()
+if(LIGHTLOOM_SANITIZE)
+  add_compile_options(-fsanitize=${LIGHTLOOM_SANITIZE} -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=${LIGHTLOOM_SANITIZE})
+endif()

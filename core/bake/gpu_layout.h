@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "core/base/result.h"
+#include "core/octree/light_octree.h"
+#include <cstdint>
+
+namespace lightloom {
+
+/// A light octree as the plain arrays that textures are made from: the mixture of all layers under the octree's mix.
+/// Form after the 2007 paper, section 4.2.1 and figures 7 and 8 (METHODS section 3, GPU form).
+///
+/// `bricks` is a 3D texture RGBA8UI of 2x2x2 bricks. Brick b stands at brick coordinates
+/// (b % side, (b / side) % side, b / side^2); its texel for child (x,y,z) lies at 2 * those + (x,y,z). The root is
+/// brick 0. A texel's A: 0 empty, 1 node (RGB = brick coordinates of the child), 2.. leaf with A - 1 entries (R + 256 G
+/// + 65536 B = number of its first entry). Entry e has `vdlCount` texels in `vdls` (RGBA16UI: colour as half floats,
+/// times `colourScale` gives lux; direction in the fourth as theta 8 bits high, phi 8 bits low), texel number e *
+/// vdlCount + j, at (number % vdlWidth, number / vdlWidth); and one texel in `normals` (RG8UI: theta, phi), at (e %
+/// normalWidth, e / normalWidth).
+struct GpuOctree {
+    int depth = 0;
+    glm::vec3 lowest{0.0f}; ///< corner of the root cell, scene space
+    float rootSize = 1.0f;  ///< side of the root cell, metres
+    int side = 1;           ///< bricks per axis of `bricks`; the texture has 2 * side texels per axis
+    int vdlCount = 1;
+    float colourScale = 1.0f; ///< power of two that keeps colours within half floats
+    int vdlWidth = 1, vdlHeight = 1, normalWidth = 1, normalHeight = 1;
+    std::vector<std::uint8_t> bricks;  ///< 4 * (2 side)^3
+    std::vector<std::uint16_t> vdls;   ///< 4 * vdlWidth * vdlHeight
+    std::vector<std::uint8_t> normals; ///< 2 * normalWidth * normalHeight
+    std::uint64_t leafCount = 0, entryCount = 0;
+    [[nodiscard]] std::size_t memoryBytes() const { return bricks.size() + 2 * vdls.size() + normals.size(); }
+};
+
+/// Errors: more entries or bricks than 24 bits address (says how many, and which parameter to lower).
+[[nodiscard]] Result<GpuOctree> makeGpuOctree(const LightOctree& octree);
+
+} // namespace lightloom

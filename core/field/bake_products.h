@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "core/trace/light_reach.h"
+#include "core/trace/photon_tracer.h"
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <typeindex>
+
+namespace lightloom {
+
+/// What a bake did, counted. Shown by `bake --json` and in the window; tests hold the zeros.
+struct WorkCounters {
+    std::uint64_t photonsShot = 0, photonsStored = 0, photonsReused = 0; ///< reused: kept from an earlier bake
+    std::uint64_t raysTraced = 0, causticPhotons = 0, pathsCutOff = 0;
+    std::uint64_t groupsBaked = 0, groupsOff = 0, groupsReused = 0;
+    std::uint64_t leaves = 0, entries = 0, gathers = 0, clusterings = 0;
+    std::uint64_t degenerateEntries = 0; ///< gathers whose kernel had no area; their photons were spread over a floor
+    Ledger ledger;
+    std::vector<std::pair<std::string, double>> stageMs; ///< "shoot", "tree", "gather d4", ... in order
+};
+
+/// What earlier bakes left, so that nothing is computed twice: photon paths, trees, geometry, layers, each under a key
+/// that names all it depends on (scene hash, light group, stage's parameters). Owned by the session; one bake at a time
+/// works on it. Keeps what the newest bakes used and drops the rest.
+class BakeProducts {
+public:
+    template<class T>
+    [[nodiscard]] std::shared_ptr<const T> find(const std::string& key)
+    {
+        std::lock_guard lock(mutex_);
+        const auto found = kept_.find({typeid(T), key});
+        if (found == kept_.end()) return nullptr;
+        found->second.lastUse = round_;
+        return std::static_pointer_cast<const T>(found->second.value);
+    }
+    template<class T>
+    void keep(const std::string& key, std::shared_ptr<const T> value)
+    {
+        std::lock_guard lock(mutex_);
+        kept_[{typeid(T), key}] = {std::move(value), round_};
+    }
+    /// Call at the start of a bake: products that neither this nor the `rounds` before it use are dropped.
+    void beginRound(int rounds = 2);
+    void clear();
+
+    WorkCounters counters; ///< of the bake that ran last
+
+private:
+    struct Kept {
+        std::shared_ptr<const void> value;
+        std::uint64_t lastUse = 0;
+    };
+    std::mutex mutex_;
+    std::map<std::pair<std::type_index, std::string>, Kept> kept_;
+    std::uint64_t round_ = 0;
+};
+
+/// Ray scene, lights and reach of the job's scene, from `products` or built now. The key of a product that depends on
+/// the scene starts with `key`.
+struct SceneProducts {
+    std::shared_ptr<const RayScene> rays;
+    std::shared_ptr<const LightSampler> lights;
+    std::shared_ptr<const LightReach> reach;
+    std::string key;
+};
+
+} // namespace lightloom

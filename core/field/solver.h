@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "core/base/result.h"
+#include "core/field/bake_control.h"
+#include "core/field/bake_products.h"
+
+namespace lightloom {
+
+/// What to bake. Lamps whose gain in `mix` is zero in all channels are off: they are not shot and get no layer.
+struct BakeJob {
+    std::shared_ptr<const Scene> scene;
+    BakeParams params;
+    Mix mix; ///< one gain per light group; empty: all 1
+    Isa isa = Isa::automatic;
+    std::uint64_t serial = 0; ///< given by the session
+};
+
+/// One method. Runs on the bake worker and owns no thread.
+class Solver {
+public:
+    virtual ~Solver() = default;
+    /// Publishes each refinement, coarse first, the last one marked final. Returns when done, or soon after a stop (an
+    /// Error of kind cancelled; what was published stays valid).
+    virtual Result<Done> bake(const BakeJob& job, BakeProducts& products, BakeControl& control) = 0;
+};
+
+/// True if group `g` is off in `mix`.
+[[nodiscard]] inline bool isOff(const Mix& mix, int g)
+{
+    return static_cast<std::size_t>(g) < mix.size() && mix[static_cast<std::size_t>(g)] == glm::vec3(0.0f);
+}
+[[nodiscard]] inline glm::vec3 gainOf(const Mix& mix, int g)
+{
+    return static_cast<std::size_t>(g) < mix.size() ? mix[static_cast<std::size_t>(g)] : glm::vec3(1.0f);
+}
+
+} // namespace lightloom

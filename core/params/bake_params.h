@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <variant>
+
+namespace lightloom {
+
+enum class Method { lightOctree, photonMap, direct, reference };
+
+/// Kernel of the octree's photon gather.
+enum class GatherKernel { sphere, ellipsoid };
+/// How photons become virtual directional lights: as printed in the 2007 paper, or corrected (docs/methods).
+enum class VdlForm { corrected, paper };
+
+/// Everything a bake depends on besides the scene and its lamps. Same scene, parameters and build: same bytes.
+/// Meaning, unit, range and cost of each member stand in `kParams`.
+struct BakeParams {
+    std::uint64_t seed = 1;
+    int photonCount = 400'000;
+    int pathDepth = 64;
+    int gatherCount = 400;
+    float gatherRadius = 0.0f;
+    GatherKernel gatherKernel = GatherKernel::sphere;
+    int octreeDepth = 6;
+    int octreeFirstDepth = 4;
+    float gridShift = 0.0f;
+    int vdlCount = 4;
+    VdlForm vdlForm = VdlForm::corrected;
+    int directSamples = 64;
+    int probeRays = 256;
+    int referenceSamples = 1024;
+    float referenceStderr = 0.0f;
+    int pixelSamples = 16;
+    bool operator==(const BakeParams&) const = default;
+};
+
+/// Stages of a bake in order. A parameter names the earliest one it changes; all before it are kept.
+enum class Stage { shoot, build, fit, show };
+
+/// Bits of `ParamSpec::methods`.
+enum MethodBit : unsigned {
+    kForOctree = 1u << static_cast<unsigned>(Method::lightOctree),
+    kForPhotonMap = 1u << static_cast<unsigned>(Method::photonMap),
+    kForDirect = 1u << static_cast<unsigned>(Method::direct),
+    kForReference = 1u << static_cast<unsigned>(Method::reference),
+    kForPhotons = kForOctree | kForPhotonMap,
+    kForAll = kForPhotons | kForDirect | kForReference
+};
+
+/// One parameter: the only description of it. Command line, panels, files and the manual loop over `kParams`.
+struct ParamSpec {
+    using Field = std::variant<int BakeParams::*, float BakeParams::*, std::uint64_t BakeParams::*,
+                               GatherKernel BakeParams::*, VdlForm BakeParams::*>;
+    std::string_view key;   ///< for ever: files hold it
+    std::string_view label; ///< in the window
+    std::string_view unit;  ///< "" for a pure number
+    double least, most;     ///< inclusive; what the method survives, not what is wise
+    double step;            ///< of a spin box
+    unsigned methods;       ///< `MethodBit`s that read it
+    Stage redo;             ///< earliest stage that a change of the value makes run again
+    Field field;
+    std::span<const std::string_view> choices; ///< names of an enum's values in order; empty for numbers
+    std::string_view help;                     ///< what grows, what it costs
+    [[nodiscard]] constexpr bool isChoice() const { return !choices.empty(); }
+};
+
+inline constexpr std::array<std::string_view, 2> kKernelNames{"sphere", "ellipsoid"};
+inline constexpr std::array<std::string_view, 2> kVdlFormNames{"corrected", "paper"};
+
+// clang-format off
+inline constexpr std::array kParams{
+    ParamSpec{"seed", "Seed", "", 0, 9007199254740992.0, 1, kForAll, Stage::shoot, &BakeParams::seed, {},
+              "Another seed gives an independent result of the same quality; the difference of two shows the noise."},
+    ParamSpec{"photons", "Photons per light group", "", 0, 1e9, 50'000, kForPhotons, Stage::shoot, &BakeParams::photonCount, {},
+              "Noise falls with the square root; tracing time and memory grow in step. Each light group gets this many."},
+    ParamSpec{"path.depth", "Longest path", "bounces", 1, 100'000, 1, kForAll, Stage::shoot, &BakeParams::pathDepth, {},
+              "Safety net behind Russian roulette; paths that reach it are counted and their light is missing."},
+    ParamSpec{"octree.depth", "Octree depth", "levels", 1, 10, 1, kForOctree, Stage::build, &BakeParams::octreeDepth, {},
+              "Cells are the longest side / 2^depth. Finer cells show more detail; time and memory grow fourfold a level."},
+    ParamSpec{"octree.first-depth", "First depth shown", "levels", 1, 10, 1, kForOctree, Stage::build, &BakeParams::octreeFirstDepth, {},
+              "The coarsest octree, shown while finer ones are made. Does not change the final result."},
+    ParamSpec{"grid.shift", "Lattice shift", "cells", 0, 0.999, 0.25, kForOctree, Stage::build, &BakeParams::gridShift, {},
+              "Moves the lattice by part of a cell along all axes; accuracy is stated as the worst of 0 .25 .5 .75."},
+    ParamSpec{"gather.count", "Photons gathered (K)", "", 1, 100'000, 50, kForPhotons, Stage::fit, &BakeParams::gatherCount, {},
+              "More photons: less noise, more blur, longer gather."},
+    ParamSpec{"gather.radius", "Largest gather radius", "leaf widths", 0, 64, 0.5, kForPhotons, Stage::fit, &BakeParams::gatherRadius, {},
+              "Cap on the gather kernel. 0: automatic (what the octree's first depth and K ask for)."},
+    ParamSpec{"gather.kernel", "Gather kernel", "", 0, 1, 1, kForOctree, Stage::fit, &BakeParams::gatherKernel, kKernelNames,
+              "Region photons are taken from: a sphere, or the paper's ellipsoid flattened along the leaf's normal."},
+    ParamSpec{"vdl.count", "Lights per leaf (k)", "", 1, 8, 1, kForOctree, Stage::fit, &BakeParams::vdlCount, {},
+              "Virtual directional lights per leaf; each adds a texture read per pixel. Brightness does not depend on it."},
+    ParamSpec{"vdl.form", "Light form", "", 0, 1, 1, kForOctree, Stage::fit, &BakeParams::vdlForm, kVdlFormNames,
+              "corrected: vector sum divided by the photon's cosine. paper: as printed in 2007, too dark; for comparison."},
+    ParamSpec{"direct.samples", "Shadow rays per lamp", "", 1, 1'000'000, 16, kForAll, Stage::show, &BakeParams::directSamples, {},
+              "Shadow rays to each emitting surface for exact direct light; softer noise in penumbrae, linear time."},
+    ParamSpec{"probe.rays", "Gather rays in mid-air", "", 1, 1'000'000, 64, kForPhotons, Stage::show, &BakeParams::probeRays, {},
+              "Rays of the gather at points where a method keeps no answer of its own, such as a work plane."},
+    ParamSpec{"reference.samples", "Reference paths", "per point", 1, 1e9, 256, kForReference, Stage::shoot, &BakeParams::referenceSamples, {},
+              "Most paths per probe. The standard error falls with the square root."},
+    ParamSpec{"reference.stderr", "Reference target error", "fraction", 0, 1, 0.005, kForReference, Stage::shoot, &BakeParams::referenceStderr, {},
+              "Stop a probe once its standard error is below this fraction of the mean over all probes. 0: use all paths."},
+    ParamSpec{"render.samples", "Samples per pixel", "", 1, 1'000'000, 4, kForAll, Stage::show, &BakeParams::pixelSamples, {},
+              "Camera rays per pixel of a rendered picture; smooths edges and soft shadows."},
+};
+// clang-format on
+
+} // namespace lightloom

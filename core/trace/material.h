@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "core/trace/ray_scene.h"
+
+namespace lightloom {
+
+/// How a surface reflects and glows at one point, textures looked up. The diffuse part is diffuse / pi on both sides.
+struct Surface {
+    glm::vec3 diffuse{0.0f};  ///< (1 - metallic) baseColor, each channel at most kLargestAlbedo
+    glm::vec3 specular{0.0f}; ///< F0 of the metallic part, metallic x baseColor
+    float roughness = 1.0f;   ///< GGX alpha = roughness^2
+    glm::vec3 emission{0.0f}; ///< cd/m2 towards the side that was hit; zero behind a single-sided emitter
+    [[nodiscard]] bool isMirror() const { return roughness < kMirrorRoughness && maxChannel3(specular) > 0.0f; }
+    [[nodiscard]] bool hasSpecular() const { return maxChannel3(specular) > 0.0f; }
+    static float maxChannel3(glm::vec3 v) { return glm::max(v.x, glm::max(v.y, v.z)); }
+};
+
+[[nodiscard]] Surface surfaceAt(const RayScene& rays, const Hit& hit);
+
+/// Emission at barycentric (b1, b2) of a triangle seen from its front, cd/m2.
+[[nodiscard]] glm::vec3 emissionAt(const RayScene& rays, std::uint32_t triangle, glm::vec2 barycentric);
+
+/// Texture lookup with the sampler's wrap and filter; `uv` before the texture's transform. Values in [0,1];
+/// sRGB decoded if `srgb` (before filtering).
+[[nodiscard]] glm::vec4 sampleTexture(const Scene& scene, const Texture& texture, glm::vec2 uv, bool srgb);
+[[nodiscard]] float srgbToLinear(float v);
+[[nodiscard]] float linearToSrgb(float v);
+
+/// One scattered direction.
+struct Scatter {
+    glm::vec3 away{0.0f};    ///< unit, leaves the surface
+    glm::vec3 weight{0.0f};  ///< brdf * cos / pdf, times 1 / probability of the chosen lobe
+    float pdf = 0.0f;        ///< per solid angle, of the whole mixture; 0 for a mirror
+    bool isMirror = false;   ///< a delta lobe: next event estimation cannot see it
+    bool isSpecular = false; ///< the metallic lobe was taken (a mirror's or GGX's)
+};
+
+/// BRDF (1/sr, without cosine) for unit `toLight`, `toEye` and the unit normal `n` on their side; mirrors give 0.
+[[nodiscard]] glm::vec3 brdf(const Surface& surface, glm::vec3 n, glm::vec3 toLight, glm::vec3 toEye);
+/// Density (1/sr) with which `scatter` picks `away`; mirrors count 0.
+[[nodiscard]] float scatterPdf(const Surface& surface, glm::vec3 n, glm::vec3 away, glm::vec3 toEye);
+/// Picks a direction: diffuse or specular lobe by reflectance, cosine or visible-normal GGX (Heitz 2018) within.
+/// `u` three uniform numbers. False: nothing is reflected there.
+[[nodiscard]] bool scatter(const Surface& surface, glm::vec3 n, glm::vec3 toEye, glm::vec3 u, Scatter& out);
+
+} // namespace lightloom

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "core/base/result.h"
+#include "core/scene/scene.h"
+#include <array>
+#include <memory>
+#include <stop_token>
+#include <string_view>
+
+namespace lightloom {
+
+/// Instruction sets Embree may use. `automatic` is avx2, or the widest the machine has below it, so that machines
+/// agree: avx512 and avx2 differ in the last digits of a third of all hits.
+enum class Isa { automatic, sse2, avx2, avx512 };
+inline constexpr std::array<std::string_view, 4> kIsaNames{"auto", "sse2", "avx2", "avx512"};
+
+/// Where a ray met a surface. Scene space.
+struct Hit {
+    float distance = 0.0f;
+    std::uint32_t triangle = 0;  ///< number among all triangles of the scene, see RayScene::triangle
+    glm::vec2 barycentric{0.0f}; ///< weights of vertices 1 and 2
+    glm::vec3 position{0.0f};    ///< on the triangle (from the barycentrics, not origin + t * direction)
+    glm::vec3 normal{0.0f};      ///< geometric, unit, of the triangle's front side
+    bool isFront = true;         ///< the ray came to the front side
+    /// Geometric normal of the side the ray came to.
+    [[nodiscard]] glm::vec3 facing() const { return isFront ? normal : -normal; }
+};
+
+/// One triangle in its place.
+struct SceneTriangle {
+    glm::vec3 a, b, c;      ///< scene space, in the order that faces front (mirrored instances are turned)
+    std::uint32_t instance; ///< index into Scene::instances
+    std::uint32_t indexInMesh;
+};
+
+/// The scene's triangles in Embree, for rays. Cut-out (alpha mask) texels let rays through. Built once, then any number
+/// of threads may trace. Ray origins on surfaces are moved off them by `offset()`.
+class RayScene {
+public:
+    /// Errors: out of memory; cancelled (a stop is seen within Embree's build too).
+    static Result<std::shared_ptr<const RayScene>> build(std::shared_ptr<const Scene> scene, Isa isa = Isa::automatic,
+                                                         std::stop_token stop = {});
+    ~RayScene();
+    RayScene(const RayScene&) = delete;
+    RayScene& operator=(const RayScene&) = delete;
+
+    [[nodiscard]] const Scene& scene() const;
+    [[nodiscard]] std::shared_ptr<const Scene> sharedScene() const;
+
+    /// Nearest surface along `origin + t * travel`, t in (0, most). `travel` unit. False: none.
+    [[nodiscard]] bool intersect(glm::vec3 origin, glm::vec3 travel, float most, Hit& hit) const;
+    /// True if anything opaque lies between the two points; both are taken as they are: move them off surfaces first.
+    [[nodiscard]] bool isBlocked(glm::vec3 from, glm::vec3 to) const;
+    /// The same along a direction, to distance `most`.
+    [[nodiscard]] bool isBlocked(glm::vec3 origin, glm::vec3 travel, float most) const;
+
+    /// `p` moved off its surface along `side` (unit normal of the side to leave from): scene-relative, watertight.
+    [[nodiscard]] glm::vec3 leave(glm::vec3 p, glm::vec3 side) const { return p + side * offset_; }
+    /// 1e-5 of the scene's diagonal.
+    [[nodiscard]] float offset() const { return offset_; }
+
+    [[nodiscard]] std::uint32_t triangleCount() const;
+    [[nodiscard]] const SceneTriangle& triangle(std::uint32_t index) const;
+    [[nodiscard]] glm::vec3
+    triangleNormal(std::uint32_t index) const;                   ///< unit, front; zero for a triangle without area
+    [[nodiscard]] float triangleArea(std::uint32_t index) const; ///< m2
+    [[nodiscard]] std::uint32_t firstTriangle(std::uint32_t instance) const;
+    [[nodiscard]] const Material& material(std::uint32_t triangle) const;
+    [[nodiscard]] std::string_view isaName() const; ///< what Embree really uses, part of a bake's record
+
+    /// Embree's handle (RTCScene), for benches that compare with bare Embree.
+    [[nodiscard]] void* embreeScene() const;
+
+private:
+    struct State;
+    explicit RayScene(std::unique_ptr<State> state);
+    std::unique_ptr<State> state_;
+    float offset_;
+};
+
+} // namespace lightloom
