@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/trace/ray_scene.h"
+#include "core/base/units.h"
+#include "core/trace/material.h"
+#include <cmath>
+#include <embree3/rtcore.h>
+#include <fmt/format.h>
+#include <limits>
+
+namespace lightloom {
+namespace {
+
+template<class T, void (*Release)(T)>
+struct Releaser {
+    using pointer = T;
+    void operator()(T handle) const { Release(handle); }
+};
+using Device = std::unique_ptr<RTCDevice, Releaser<RTCDevice, rtcReleaseDevice>>;
+using Tree = std::unique_ptr<RTCScene, Releaser<RTCScene, rtcReleaseScene>>;
+using Geometry = std::unique_ptr<RTCGeometry, Releaser<RTCGeometry, rtcReleaseGeometry>>;
+
+Result<std::string> isaConfig(Isa isa)
+{
+    const bool avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+                        __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl");
+    const auto missing = [](const char* name) {
+        return Error{Error::Kind::unsupported, fmt::format("this machine has no {}; use --isa auto or sse2", name)};
+    };
+    switch (isa) {
+    case Isa::sse2:
+        return std::string("sse2");
+    case Isa::avx512:
+        return avx512 ? Result<std::string>(std::string("avx512")) : missing("AVX-512");
+    case Isa::avx2:
+        return __builtin_cpu_supports("avx2") ? Result<std::string>(std::string("avx2")) : missing("AVX2");
+    case Isa::automatic:
+        break;
+    }
+    if (__builtin_cpu_supports("avx2")) return std::string("avx2");
+    return std::string(__builtin_cpu_supports("avx") ? "avx" : "sse2");
+}
+
+/// Lets a ray through where the alpha mask is below its cutoff.
+struct CutOut {
+    const Scene* scene;
+    const Mesh* mesh;
+    const Material* material;
+
+    [[nodiscard]] bool isHole(unsigned primitive, glm::vec2 barycentric) const
+    {
+        const glm::uvec3 t = mesh->triangles[primitive];
+        const float b0 = 1.0f - barycentric.x - barycentric.y;
+        float alpha = material->baseColor.w;
+        const auto& uv = mesh->uv[material->baseColorTexture.uvSet];
+        if (material->baseColorTexture.isSet() && !uv.empty()) {
+            const glm::vec2 at = b0 * uv[t.x] + barycentric.x * uv[t.y] + barycentric.y * uv[t.z];
+            alpha *= sampleTexture(*scene, material->baseColorTexture, at, true).w;
+        }
+        if (!mesh->colors.empty()) {
+            alpha *=
+                b0 * mesh->colors[t.x].w + barycentric.x * mesh->colors[t.y].w + barycentric.y * mesh->colors[t.z].w;
+        }
+        return alpha < material->alphaCutoff;
+    }
+};
+
+void rejectHoles(const RTCFilterFunctionNArguments* args)
+{
+    const auto* cutOut = static_cast<const CutOut*>(args->geometryUserPtr);
+    for (unsigned i = 0; i < args->N; ++i) {
+        if (args->valid[i] != -1) continue;
+        const glm::vec2 b(RTCHitN_u(args->hit, args->N, i), RTCHitN_v(args->hit, args->N, i));
+        if (cutOut->isHole(RTCHitN_primID(args->hit, args->N, i), b)) args->valid[i] = 0;
+    }
+}
+
+bool monitor(void* stop, double) { return !static_cast<std::stop_token*>(stop)->stop_requested(); }
+
+} // namespace
+
+struct RayScene::State {
+    std::shared_ptr<const Scene> scene;
+    std::string isa;
+    std::vector<SceneTriangle> triangles;
+    std::vector<glm::vec3> normals;
+    std::vector<std::uint32_t> firstTriangle; // per instance, and the end
+    std::vector<CutOut> cutOuts;              // stable addresses: reserved before use
+    Device device;
+    std::vector<Tree> shared; // trees of meshes that stand in several places, by mesh
+    Tree tree;
+
+    void listTriangles();
+    Result<Done> buildTree(std::stop_token& stop);
+    void addMesh(RTCScene into, const Instance& instance, bool inPlace, unsigned id);
+    Result<Done> commit(RTCScene tree, std::stop_token& stop);
+};
+
+void RayScene::State::listTriangles()
+{
+    for (std::uint32_t i = 0; i < scene->instances.size(); ++i) {
+        const Instance& instance = scene->instances[i];
+        const Mesh& mesh = scene->meshes[static_cast<std::size_t>(instance.mesh)];
+        firstTriangle.push_back(static_cast<std::uint32_t>(triangles.size()));
+        const float turn = instance.isMirrored() ? -1.0f : 1.0f;
+        std::vector<glm::vec3> placed(mesh.positions.size());
+        for (std::size_t v = 0; v < placed.size(); ++v) {
+            placed[v] = glm::vec3(instance.toWorld * glm::vec4(mesh.positions[v], 1.0f));
+        }
+        for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+            const glm::uvec3 v = mesh.triangles[t];
+            const SceneTriangle triangle{placed[v.x], placed[v.y], placed[v.z], i, t};
+            // in double: the cross product of a needle's edges underflows in float at small scales
+            const glm::dvec3 n = glm::cross(glm::dvec3(triangle.b) - glm::dvec3(triangle.a),
+                                            glm::dvec3(triangle.c) - glm::dvec3(triangle.a));
+            const double length = glm::length(n);
+            normals.push_back(length > 0.0 ? turn * glm::vec3(n / length) : glm::vec3(0.0f));
+            triangles.push_back(triangle);
+        }
+    }
+    firstTriangle.push_back(static_cast<std::uint32_t>(triangles.size()));
+}
+
+void RayScene::State::addMesh(RTCScene into, const Instance& instance, bool inPlace, unsigned id)
+{
+    const Mesh& mesh = scene->meshes[static_cast<std::size_t>(instance.mesh)];
+    const Geometry geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
+    auto* vertices = static_cast<glm::vec3*>(rtcSetNewGeometryBuffer(
+        geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3), mesh.positions.size()));
+    auto* indices = static_cast<glm::uvec3*>(rtcSetNewGeometryBuffer(
+        geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(glm::uvec3), mesh.triangles.size()));
+    if (!vertices || !indices) throw std::bad_alloc();
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+        const glm::vec3 p = mesh.positions[v];
+        vertices[v] = inPlace ? glm::vec3(instance.toWorld * glm::vec4(p, 1.0f)) : p;
+    }
+    std::copy(mesh.triangles.begin(), mesh.triangles.end(), indices);
+    const Material& material = scene->materials[static_cast<std::size_t>(mesh.material)];
+    if (material.alpha == Material::Alpha::mask) {
+        cutOuts.push_back({scene.get(), &mesh, &material});
+        rtcSetGeometryUserData(geometry.get(), &cutOuts.back());
+        rtcSetGeometryIntersectFilterFunction(geometry.get(), rejectHoles);
+        rtcSetGeometryOccludedFilterFunction(geometry.get(), rejectHoles);
+    }
+    rtcCommitGeometry(geometry.get());
+    rtcAttachGeometryByID(into, geometry.get(), id);
+}
+
+Result<Done> RayScene::State::commit(RTCScene what, std::stop_token& stop)
+{
+    rtcSetSceneFlags(what, RTC_SCENE_FLAG_ROBUST); // else a third of the rays at mesh vertices leak out
+    rtcSetSceneBuildQuality(what, RTC_BUILD_QUALITY_MEDIUM);
+    rtcSetSceneProgressMonitorFunction(what, monitor, &stop);
+    rtcCommitScene(what);
+    rtcSetSceneProgressMonitorFunction(what, nullptr, nullptr);
+    const RTCError code = rtcGetDeviceError(device.get());
+    if (stop.stop_requested()) return Error{Error::Kind::cancelled, "building the ray scene was cancelled"};
+    if (code == RTC_ERROR_OUT_OF_MEMORY) {
+        return Error{Error::Kind::outOfMemory,
+                     fmt::format("not enough memory for a ray tree over {} triangles", triangles.size())};
+    }
+    if (code != RTC_ERROR_NONE) {
+        return Error{Error::Kind::unsupported,
+                     fmt::format("Embree could not build the ray tree (code {})", static_cast<int>(code))};
+    }
+    return Done{};
+}
+
+Result<Done> RayScene::State::buildTree(std::stop_token& stop)
+{
+    tree.reset(rtcNewScene(device.get()));
+    std::vector<int> uses(scene->meshes.size(), 0);
+    for (const Instance& instance : scene->instances) ++uses[static_cast<std::size_t>(instance.mesh)];
+    shared.resize(scene->meshes.size());
+    cutOuts.reserve(scene->instances.size() + scene->meshes.size());
+
+    for (unsigned i = 0; i < scene->instances.size(); ++i) {
+        const Instance& instance = scene->instances[i];
+        const auto m = static_cast<std::size_t>(instance.mesh);
+        if (uses[m] == 1) {
+            addMesh(tree.get(), instance, true, i);
+            continue;
+        }
+        if (!shared[m]) {
+            shared[m].reset(rtcNewScene(device.get()));
+            addMesh(shared[m].get(), instance, false, 0);
+            if (const Result<Done> built = commit(shared[m].get(), stop); !built) return built;
+        }
+        const Geometry place(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
+        rtcSetGeometryInstancedScene(place.get(), shared[m].get());
+        rtcSetGeometryTransform(place.get(), 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &instance.toWorld[0].x);
+        rtcCommitGeometry(place.get());
+        rtcAttachGeometryByID(tree.get(), place.get(), i);
+    }
+    return commit(tree.get(), stop);
+}
+
+Result<std::shared_ptr<const RayScene>> RayScene::build(std::shared_ptr<const Scene> scene, Isa isa,
+                                                        std::stop_token stop)
+try {
+    const Result<std::string> config = isaConfig(isa);
+    if (!config) return config.error();
+    auto state = std::make_unique<State>();
+    state->scene = std::move(scene);
+    state->isa = *config;
+    state->device.reset(rtcNewDevice(("isa=" + *config).c_str()));
+    if (!state->device) return Error{Error::Kind::unsupported, "Embree does not run on this machine"};
+    state->listTriangles();
+    if (const Result<Done> built = state->buildTree(stop); !built) return built.error();
+    return std::shared_ptr<const RayScene>(new RayScene(std::move(state)));
+} catch (const std::bad_alloc&) {
+    return Error{Error::Kind::outOfMemory, "not enough memory for the scene's triangles"};
+}
+
+RayScene::RayScene(std::unique_ptr<State> state)
+    : state_(std::move(state)),
+      // an empty or single-point scene still needs a positive step
+      offset_(glm::max(1e-5f * state_->scene->bounds.diagonal(), std::numeric_limits<float>::min() * 1e6f))
+{
+}
+RayScene::~RayScene() = default;
+
+const Scene& RayScene::scene() const { return *state_->scene; }
+std::shared_ptr<const Scene> RayScene::sharedScene() const { return state_->scene; }
+std::uint32_t RayScene::triangleCount() const { return static_cast<std::uint32_t>(state_->triangles.size()); }
+const SceneTriangle& RayScene::triangle(std::uint32_t index) const { return state_->triangles[index]; }
+glm::vec3 RayScene::triangleNormal(std::uint32_t index) const { return state_->normals[index]; }
+std::uint32_t RayScene::firstTriangle(std::uint32_t instance) const { return state_->firstTriangle[instance]; }
+std::string_view RayScene::isaName() const { return state_->isa; }
+void* RayScene::embreeScene() const { return state_->tree.get(); }
+
+float RayScene::triangleArea(std::uint32_t index) const
+{
+    const SceneTriangle& t = state_->triangles[index];
+    return static_cast<float>(
+        0.5 * glm::length(glm::cross(glm::dvec3(t.b) - glm::dvec3(t.a), glm::dvec3(t.c) - glm::dvec3(t.a))));
+}
+
+const Material& RayScene::material(std::uint32_t index) const
+{
+    const Instance& instance = state_->scene->instances[state_->triangles[index].instance];
+    const Mesh& mesh = state_->scene->meshes[static_cast<std::size_t>(instance.mesh)];
+    return state_->scene->materials[static_cast<std::size_t>(mesh.material)];
+}
+
+bool RayScene::intersect(glm::vec3 origin, glm::vec3 travel, float most, Hit& hit) const
+{
+    if (!isFinite(origin) || !isFinite(travel)) return false; // Embree does not filter NaN
+    RTCRayHit query;
+    query.ray = {origin.x, origin.y, origin.z, 0.0f, travel.x, travel.y, travel.z, 0.0f, most, 0xFFFFFFFFu, 0, 0};
+    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(state_->tree.get(), &context, &query);
+    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+
+    const unsigned instance = query.hit.instID[0] != RTC_INVALID_GEOMETRY_ID ? query.hit.instID[0] : query.hit.geomID;
+    hit.triangle = state_->firstTriangle[instance] + query.hit.primID;
+    hit.distance = query.ray.tfar;
+    hit.barycentric = {query.hit.u, query.hit.v};
+    const SceneTriangle& t = state_->triangles[hit.triangle];
+    hit.position = t.a * (1.0f - query.hit.u - query.hit.v) + t.b * query.hit.u + t.c * query.hit.v;
+    hit.normal = state_->normals[hit.triangle];
+    hit.isFront = glm::dot(hit.normal, travel) < 0.0f;
+    return true;
+}
+
+bool RayScene::isBlocked(glm::vec3 origin, glm::vec3 travel, float most) const
+{
+    if (!isFinite(origin) || !isFinite(travel)) return true;
+    RTCRay ray{origin.x, origin.y, origin.z, 0.0f, travel.x, travel.y, travel.z, 0.0f, most, 0xFFFFFFFFu, 0, 0};
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded1(state_->tree.get(), &context, &ray);
+    return ray.tfar < 0.0f;
+}
+
+bool RayScene::isBlocked(glm::vec3 from, glm::vec3 to) const
+{
+    // parametric: the ray's length is 1 and ends just before `to`
+    return isBlocked(from, to - from, 1.0f - 1e-6f);
+}
+
+} // namespace lightloom
