@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/photonmap/photon_map.h"
+#include <algorithm>
+#include <bit>
+#include <limits>
+
+namespace lightloom {
+
+struct PhotonMap::Record {
+    float p[3];
+    std::uint32_t number;
+};
+
+namespace {
+
+/// Blocks that go left. Splits fall between blocks, so that all blocks but the last are full.
+std::uint32_t leftBlocks(std::uint32_t blocks) { return (blocks + 1) / 2; }
+
+/// Orders by (coordinate, number): with ties broken the tree is the same on any machine.
+template<int Axis, class Record>
+void splitAt(Record* first, Record* middle, Record* last)
+{
+    std::nth_element(first, middle, last, [](const Record& a, const Record& b) {
+        return a.p[Axis] != b.p[Axis] ? a.p[Axis] < b.p[Axis] : a.number < b.number;
+    });
+}
+
+int widestAxis(glm::vec3 size)
+{
+    if (size.x >= size.y && size.x >= size.z) return 0;
+    return size.y >= size.z ? 1 : 2;
+}
+
+} // namespace
+
+std::shared_ptr<const PhotonMap> PhotonMap::build(std::shared_ptr<const PhotonPaths> paths, const std::stop_token& stop)
+{
+    const std::shared_ptr<PhotonMap> map(new PhotonMap(std::move(paths)));
+    const std::vector<Photon>& photons = map->paths_->photons;
+    if (photons.empty()) return map;
+    std::vector<Record> records(photons.size());
+    for (std::uint32_t i = 0; i < records.size(); ++i) {
+        const glm::vec3 p = photons[i].position;
+        records[i] = {{p.x, p.y, p.z}, i};
+    }
+    const auto blocks = static_cast<std::uint32_t>((photons.size() + kBlock - 1) / kBlock);
+    map->blocks_.resize(blocks);
+    map->nodes_.resize(2 * std::size_t(std::bit_ceil(blocks)));
+    map->split(records, 0, blocks, 0, stop);
+    if (stop.stop_requested()) return nullptr;
+    return map;
+}
+
+void PhotonMap::fill(Block& block, const Record* first, const Record* last) const
+{
+    for (std::uint32_t i = 0; i < kBlock; ++i) {
+        const bool used = first + i < last;
+        // an empty place is infinitely far away, and stays so whatever is added to it
+        const float far = std::numeric_limits<float>::infinity();
+        block.number[i] = used ? first[i].number : 0;
+        block.x[i] = used ? first[i].p[0] : far;
+        block.y[i] = used ? first[i].p[1] : far;
+        block.z[i] = used ? first[i].p[2] : far;
+        const glm::vec3 n = used ? paths_->photons[first[i].number].normal : glm::vec3(0.0f);
+        block.nx[i] = n.x, block.ny[i] = n.y, block.nz[i] = n.z;
+    }
+}
+
+void PhotonMap::split(std::vector<Record>& records, std::uint32_t firstBlock, std::uint32_t blocks, std::uint32_t node,
+                      const std::stop_token& stop)
+{
+    Record* first = records.data() + std::size_t(firstBlock) * kBlock;
+    Record* last = records.data() + std::min(records.size(), (std::size_t(firstBlock) + blocks) * kBlock);
+    if (blocks == 1) return fill(blocks_[firstBlock], first, last);
+    if (blocks > 1024 && stop.stop_requested()) return;
+    glm::vec3 low(std::numeric_limits<float>::max()), high(-low);
+    for (const Record* r = first; r < last; ++r) {
+        const glm::vec3 p(r->p[0], r->p[1], r->p[2]);
+        low = glm::min(low, p);
+        high = glm::max(high, p);
+    }
+    const int axis = widestAxis(high - low);
+    const std::uint32_t left = leftBlocks(blocks);
+    Record* middle = first + std::size_t(left) * kBlock;
+    switch (axis) {
+    case 0:
+        splitAt<0>(first, middle, last);
+        break;
+    case 1:
+        splitAt<1>(first, middle, last);
+        break;
+    default:
+        splitAt<2>(first, middle, last);
+        break;
+    }
+    nodes_[node] = {middle->p[axis], axis};
+    split(records, firstBlock, left, 2 * node + 1, stop);
+    split(records, firstBlock + left, blocks - left, 2 * node + 2, stop);
+}
+
+std::size_t PhotonMap::memoryBytes() const
+{
+    return blocks_.size() * sizeof(Block) + nodes_.size() * sizeof(Node) + paths_->photons.size() * sizeof(Photon);
+}
+
+/// State of one query. `keys` holds candidates as distance bits above, number below: one integer comparison orders
+/// both.
+struct PhotonMap::Search {
+    const GatherQuery& query;
+    float stretch; // stretch^2 - 1
+    float limit;   // squared distance beyond which nothing is wanted
+    std::vector<std::uint64_t>& keys;
+
+    void thin()
+    {
+        const auto k = static_cast<std::ptrdiff_t>(query.count);
+        std::nth_element(keys.begin(), keys.begin() + k - 1, keys.end());
+        keys.resize(query.count);
+        limit = std::bit_cast<float>(static_cast<std::uint32_t>(keys.back() >> 32));
+    }
+};
+
+namespace {
+
+/// Distances of a block's photons under the query's metric and their normals' cosines. Sixteen lanes at once on
+/// whatever vectors the machine has; without contraction every clone gives the same bits.
+__attribute__((target_clones("avx512f", "avx2", "default"))) void
+measure(const float* __restrict x, const float* __restrict y, const float* __restrict z, const float* __restrict nx,
+        const float* __restrict ny, const float* __restrict nz, const float* q, float* __restrict squared,
+        float* __restrict cosine)
+{
+    const float cx = q[0], cy = q[1], cz = q[2], ax = q[3], ay = q[4], az = q[5], stretch = q[6];
+    for (int i = 0; i < 16; ++i) {
+        const float dx = x[i] - cx, dy = y[i] - cy, dz = z[i] - cz;
+        const float along = dx * ax + dy * ay + dz * az;
+        squared[i] = dx * dx + dy * dy + dz * dz + stretch * along * along;
+        cosine[i] = nx[i] * ax + ny[i] * ay + nz[i] * az;
+    }
+}
+
+} // namespace
+
+void PhotonMap::scan(Search& search, const Block& block) const
+{
+    const GatherQuery& query = search.query;
+    const float q[7] = {query.centre.x, query.centre.y, query.centre.z, query.normal.x,
+                        query.normal.y, query.normal.z, search.stretch};
+    alignas(64) float squared[kBlock], cosine[kBlock];
+    measure(block.x, block.y, block.z, block.nx, block.ny, block.nz, q, squared, cosine);
+    for (std::uint32_t i = 0; i < kBlock; ++i) {
+        if (!(squared[i] <= search.limit) || !(cosine[i] > query.leastCosine)) continue;
+        search.keys.push_back(std::uint64_t(std::bit_cast<std::uint32_t>(squared[i])) << 32 | block.number[i]);
+    }
+    if (search.keys.size() >= 2 * std::size_t(query.count)) search.thin();
+}
+
+void PhotonMap::descend(Search& search, std::uint32_t firstBlock, std::uint32_t blocks, std::uint32_t node,
+                        glm::vec3 offset, float squared) const
+{
+    if (squared > search.limit) return;
+    if (blocks == 1) return scan(search, blocks_[firstBlock]);
+    const Node here = nodes_[node];
+    const float beyond = search.query.centre[here.axis] - here.split;
+    const std::uint32_t left = leftBlocks(blocks);
+    // distance to the far half's box: replace what this axis contributed so far
+    const float old = offset[here.axis];
+    const float farSquared = squared - old * old + beyond * beyond;
+    glm::vec3 farOffset = offset;
+    farOffset[here.axis] = beyond;
+    if (beyond < 0.0f) {
+        descend(search, firstBlock, left, 2 * node + 1, offset, squared);
+        descend(search, firstBlock + left, blocks - left, 2 * node + 2, farOffset, farSquared);
+    } else {
+        descend(search, firstBlock + left, blocks - left, 2 * node + 2, offset, squared);
+        descend(search, firstBlock, left, 2 * node + 1, farOffset, farSquared);
+    }
+}
+
+void PhotonMap::gather(const GatherQuery& query, Gathered& out) const
+{
+    out.photons.clear();
+    out.scratch.clear();
+    out.radius = query.radius;
+    out.isFull = false;
+    if (blocks_.empty() || query.count == 0) return;
+    Search search{query, query.stretch * query.stretch - 1.0f, query.radius * query.radius, out.scratch};
+    descend(search, 0, static_cast<std::uint32_t>(blocks_.size()), 0, glm::vec3(0.0f), 0.0f);
+    if (search.keys.size() >= query.count) {
+        search.thin();
+        out.radius = std::sqrt(search.limit);
+        out.isFull = true;
+    }
+    out.photons.resize(search.keys.size());
+    for (std::size_t i = 0; i < search.keys.size(); ++i) {
+        out.photons[i] = static_cast<std::uint32_t>(search.keys[i]);
+    }
+}
+
+} // namespace lightloom

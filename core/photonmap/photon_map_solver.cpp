@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/photonmap/photon_map_solver.h"
+#include "core/photonmap/photon_products.h"
+
+namespace lightloom {
+
+PhotonMapField::PhotonMapField(std::shared_ptr<const SurfaceArea> area, std::vector<Layer> layers, Mix mix)
+    : area_(std::move(area)), layers_(std::move(layers)), mix_(std::move(mix))
+{
+}
+
+bool PhotonMapField::lookup(glm::vec3 p, glm::vec3 n, glm::vec3& lux) const
+{
+    thread_local Gathered gathered;
+    glm::dvec3 sum(0.0);
+    bool known = false;
+    for (std::size_t g = 0; g < layers_.size(); ++g) {
+        const Layer& layer = layers_[g];
+        const glm::vec3 gain = gainOf(mix_, static_cast<int>(g));
+        if (!layer.map || gain == glm::vec3(0.0f)) continue;
+        const Density density = estimateDensity(*layer.map, *area_, layer.kernel, p, n, gathered);
+        known = known || density.isAnswer;
+        glm::dvec3 flux(0.0);
+        for (const std::uint32_t i : gathered.photons) flux += glm::dvec3(layer.map->photon(i).flux);
+        sum += glm::dvec3(gain) * flux * density.perFlux;
+    }
+    lux = glm::vec3(sum);
+    return known;
+}
+
+std::shared_ptr<const IndirectField> PhotonMapField::withMix(Mix mix) const
+{
+    return std::make_shared<PhotonMapField>(area_, layers_, std::move(mix));
+}
+
+std::size_t PhotonMapField::memoryBytes() const
+{
+    std::size_t sum = 0;
+    for (const Layer& layer : layers_) sum += layer.map ? layer.map->memoryBytes() : 0;
+    return sum;
+}
+
+Result<Done> PhotonMapSolver::bake(const BakeJob& job, BakeProducts& products, BakeControl& control)
+{
+    Result<PhotonProducts> photons = photonProducts(job, products, control, 1.0);
+    if (!photons) return photons.error();
+    // "leaf widths" of the radius parameter: a 64th of the longest side, as the octree's at its default depth
+    const float cell = job.scene->bounds.longestSide() / 64.0f;
+    std::vector<PhotonMapField::Layer> layers;
+    for (const auto& map : photons->maps) {
+        layers.push_back({map, map ? DensityKernel::of(job.params, *map, *photons->area, cell) : DensityKernel{}});
+    }
+    control.progress(Stage::fit, 1.0);
+    control.publish(std::make_shared<PhotonMapField>(photons->area, std::move(layers), job.mix), 0, true);
+    return Done{};
+}
+
+} // namespace lightloom

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "core/field/solver.h"
+#include "core/photonmap/photon_map.h"
+#include "core/photonmap/surface_area.h"
+
+namespace lightloom {
+
+/// What every photon method needs of a job, taken from `products` or made now.
+struct PhotonProducts {
+    SceneProducts scene;
+    std::shared_ptr<const SurfaceArea> area;
+    std::vector<std::shared_ptr<const PhotonMap>> maps; ///< by light group; null: the lamp is off
+};
+
+/// Ray scene, lamps and reach of the job's scene.
+[[nodiscard]] Result<SceneProducts> sceneProducts(const BakeJob& job, BakeProducts& products, BakeControl& control);
+
+/// The above, and photons with their trees for each lamp that is on. Shot once per (scene, group, seed, count),
+/// whatever method asks. Tells progress from 0 to `share` of the bake. Error out of memory is given before shooting.
+[[nodiscard]] Result<PhotonProducts> photonProducts(const BakeJob& job, BakeProducts& products, BakeControl& control,
+                                                    double share);
+
+/// Milliseconds since construction, for counters.
+class StageClock {
+public:
+    StageClock(WorkCounters& counters, std::string stage);
+    ~StageClock();
+    StageClock(const StageClock&) = delete;
+    StageClock& operator=(const StageClock&) = delete;
+
+private:
+    WorkCounters& counters_;
+    std::string stage_;
+    std::chrono::steady_clock::time_point began_;
+};
+
+[[nodiscard]] inline Error cancelled() { return {Error::Kind::cancelled, "the bake was cancelled"}; }
+
+} // namespace lightloom

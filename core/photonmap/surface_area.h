@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "core/trace/light_reach.h"
+
+namespace lightloom {
+
+/// Area of the part of triangle (a, b, c) inside the ball around `centre`: exact (the ball cuts the plane in a disc).
+[[nodiscard]] double triangleAreaInBall(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, glm::dvec3 centre, double radius);
+
+/// The scene's reached surface as a bounding-volume tree, to ask how much of it lies under a gather kernel. Density
+/// estimation divides by this: pi r^2 is wrong by half at every edge (METHODS section 2). Any thread may ask.
+class SurfaceArea {
+public:
+    SurfaceArea(const RayScene& rays, const LightReach& reach);
+
+    /// Area (m2) of the reached sides within `radius` of `centre` (distances along `normal` stretched by `stretch`, as
+    /// in GatherQuery) whose normal's cosine with `normal` is above `leastCosine`. O(log n + triangles in the kernel).
+    [[nodiscard]] double under(glm::vec3 centre, glm::vec3 normal, float radius, float stretch,
+                               float leastCosine) const;
+
+    [[nodiscard]] double total() const { return total_; } ///< of all reached sides, m2
+
+private:
+    struct Facet { // a triangle and which of its sides light reaches
+        glm::vec3 a, b, c, normal;
+        bool front, back;
+    };
+    struct Box {
+        glm::vec3 low, high;
+        std::uint32_t first, count; // facets; count 0: inner node, `first` is the right child, the left one follows
+    };
+    std::uint32_t build(std::uint32_t first, std::uint32_t last);
+
+    std::vector<Facet> facets_;
+    std::vector<Box> boxes_;
+    double total_ = 0.0;
+};
+
+} // namespace lightloom

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/trace/cell_clip.h"
+#include <algorithm>
+#include <array>
+#include <tuple>
+
+namespace lightloom {
+namespace {
+
+std::uint64_t spread(std::uint64_t v) // each bit moves to three times its place
+{
+    v &= 0x1FFFFF;
+    v = (v | v << 32) & 0x1F00000000FFFFull;
+    v = (v | v << 16) & 0x1F0000FF0000FFull;
+    v = (v | v << 8) & 0x100F00F00F00F00Full;
+    v = (v | v << 4) & 0x10C30C30C30C30C3ull;
+    return (v | v << 2) & 0x1249249249249249ull;
+}
+
+unsigned gather(std::uint64_t v)
+{
+    v &= 0x1249249249249249ull;
+    v = (v | v >> 2) & 0x10C30C30C30C30C3ull;
+    v = (v | v >> 4) & 0x100F00F00F00F00Full;
+    v = (v | v >> 8) & 0x1F0000FF0000FFull;
+    v = (v | v >> 16) & 0x1F00000000FFFFull;
+    return static_cast<unsigned>((v | v >> 32) & 0x1FFFFF);
+}
+
+/// A convex polygon in lattice coordinates (root cell = unit cube), double so that halving loses nothing.
+struct Polygon {
+    std::array<glm::dvec3, 16> points; // a triangle gains at most one corner a cut, and loses as it gets smaller
+    int count = 0;
+
+    void add(glm::dvec3 p)
+    {
+        if (count < static_cast<int>(points.size())) points[static_cast<std::size_t>(count++)] = p;
+    }
+
+    /// Centroid; `area` half the length of the area vector.
+    [[nodiscard]] glm::dvec3 centroid(double& area) const
+    {
+        glm::dvec3 sum(0.0);
+        double total = 0.0;
+        for (int i = 2; i < count; ++i) {
+            const glm::dvec3 &a = points[0], &b = points[static_cast<std::size_t>(i) - 1],
+                             &c = points[static_cast<std::size_t>(i)];
+            const double part = 0.5 * glm::length(glm::cross(b - a, c - a));
+            sum += part * (a + b + c) / 3.0;
+            total += part;
+        }
+        area = total;
+        return total > 0.0 ? sum / total : points[0];
+    }
+};
+
+/// Splits by the plane x[axis] = at; points on it go above, so that a polygon in the plane is above as a whole.
+void split(const Polygon& polygon, int axis, double at, Polygon& below, Polygon& above)
+{
+    below.count = above.count = 0;
+    for (int i = 0; i < polygon.count; ++i) {
+        const glm::dvec3 a = polygon.points[static_cast<std::size_t>(i)];
+        const glm::dvec3 b = polygon.points[static_cast<std::size_t>((i + 1) % polygon.count)];
+        const bool aUp = a[axis] >= at, bUp = b[axis] >= at;
+        (aUp ? above : below).add(a);
+        if (aUp == bUp) continue;
+        glm::dvec3 cut = a + (b - a) * ((at - a[axis]) / (b[axis] - a[axis]));
+        cut[axis] = at;
+        below.add(cut);
+        above.add(cut);
+    }
+}
+
+class Clipper {
+public:
+    Clipper(const CellLattice& lattice, std::vector<CellPiece>& out) : lattice_(lattice), out_(out) {}
+
+    void add(const SceneTriangle& t, std::uint32_t triangle, bool front, bool back)
+    {
+        Polygon polygon;
+        const double size = static_cast<double>(lattice_.rootSize);
+        for (const glm::vec3 p : {t.a, t.b, t.c}) {
+            // rounding may put a point a hair outside: the border cell takes it
+            polygon.add(glm::clamp((glm::dvec3(p) - glm::dvec3(lattice_.lowest)) / size, 0.0, 1.0));
+        }
+        triangle_ = triangle;
+        front_ = front;
+        back_ = back;
+        descend(polygon, glm::uvec3(0), 0);
+    }
+
+private:
+    void descend(const Polygon& polygon, glm::uvec3 cell, int depth)
+    {
+        if (polygon.count < 3) return;
+        if (depth == lattice_.depth) return emit(polygon, cell);
+        const double half = 1.0 / static_cast<double>(2u << depth);
+        Polygon x[2], y[2], z[2];
+        split(polygon, 0, (2.0 * cell.x + 1.0) * half, x[0], x[1]);
+        for (unsigned i = 0; i < 2; ++i) {
+            if (x[i].count < 3) continue;
+            split(x[i], 1, (2.0 * cell.y + 1.0) * half, y[0], y[1]);
+            for (unsigned j = 0; j < 2; ++j) {
+                if (y[j].count < 3) continue;
+                split(y[j], 2, (2.0 * cell.z + 1.0) * half, z[0], z[1]);
+                for (unsigned k = 0; k < 2; ++k) {
+                    const Polygon part = z[k];
+                    descend(part, 2u * cell + glm::uvec3(i, j, k), depth + 1);
+                }
+            }
+        }
+    }
+
+    void emit(const Polygon& polygon, glm::uvec3 cell)
+    {
+        const double size = static_cast<double>(lattice_.rootSize);
+        double area = 0.0;
+        const glm::dvec3 centre = polygon.centroid(area);
+        if (!(area > 0.0)) return;
+        CellPiece piece{mortonCode(cell), 2 * triangle_, static_cast<float>(area * size * size),
+                        glm::vec3(glm::dvec3(lattice_.lowest) + centre * size)};
+        if (front_) out_.push_back(piece);
+        piece.side += 1;
+        if (back_) out_.push_back(piece);
+    }
+
+    const CellLattice& lattice_;
+    std::vector<CellPiece>& out_;
+    std::uint32_t triangle_ = 0;
+    bool front_ = false, back_ = false;
+};
+
+} // namespace
+
+std::uint64_t mortonCode(glm::uvec3 cell) { return spread(cell.x) | spread(cell.y) << 1 | spread(cell.z) << 2; }
+glm::uvec3 mortonCell(std::uint64_t code) { return {gather(code), gather(code >> 1), gather(code >> 2)}; }
+
+CellLattice latticeOver(const Bounds& bounds, int depth, float shift)
+{
+    const float side = glm::max(bounds.longestSide(), 1e-30f);
+    const float padded = side * 1.002f;
+    CellLattice lattice;
+    lattice.depth = depth;
+    const auto cells = static_cast<float>(1u << depth);
+    lattice.rootSize = shift > 0.0f ? padded * cells / glm::max(cells - 1.0f, 1.0f) : padded;
+    if (shift > 0.0f && depth == 0) lattice.rootSize = 2.0f * padded;
+    const glm::vec3 low = bounds.centre() - glm::vec3(0.5f * padded);
+    lattice.lowest = low - glm::vec3(shift * lattice.cellSize());
+    return lattice;
+}
+
+CellPieces clipToCells(const RayScene& rays, const LightReach& reach, const CellLattice& lattice, Workers& workers,
+                       const std::stop_token& stop)
+{
+    constexpr std::uint32_t kBlock = 512;
+    const std::size_t blocks = (rays.triangleCount() + kBlock - 1) / kBlock;
+    std::vector<std::vector<CellPiece>> parts(blocks);
+    CellPieces result;
+    result.complete = workers.run(blocks, stop, [&](std::size_t block) {
+        Clipper clipper(lattice, parts[block]);
+        const auto first = static_cast<std::uint32_t>(block) * kBlock;
+        for (std::uint32_t t = first; t < std::min(rays.triangleCount(), first + kBlock); ++t) {
+            if (reach.front(t) || reach.back(t)) clipper.add(rays.triangle(t), t, reach.front(t), reach.back(t));
+            if (stop.stop_requested()) return;
+        }
+    }) && !stop.stop_requested();
+    if (!result.complete) return result;
+    for (const auto& part : parts) result.pieces.insert(result.pieces.end(), part.begin(), part.end());
+    std::ranges::sort(result.pieces, [](const CellPiece& a, const CellPiece& b) {
+        return std::tie(a.cell, a.side) < std::tie(b.cell, b.side);
+    });
+    return result;
+}
+
+} // namespace lightloom
