@@ -47,8 +47,9 @@ public:
     [[nodiscard]] const std::vector<int>& inGroup(int group) const;
     [[nodiscard]] glm::vec3 groupFlux(int group) const; ///< lumen per channel
 
-    /// A photon from `group`: emitter in proportion to luminous flux with a floor (METHODS 1: a dim lamp beside a
-    /// bright one still gets its share), then a point and direction by the emitter's own law. False: the group is dark.
+    /// A photon from `group`: nine in ten pick an emitter in proportion to luminous flux, one in ten evenly (METHODS 1:
+    /// a dim lamp beside a bright one still gets its share), then a point and direction by the emitter's own law; the
+    /// flux makes up for the choice. False: the group is dark, or dark at the point picked (textures).
     [[nodiscard]] bool emit(int group, Rng& rng, EmittedPhoton& photon) const;
 
     /// A sample of `emitter` seen from `p`: `u` uniform in the unit square. False: nothing arrives at `p` from it.

@@ -8,6 +8,8 @@ namespace lightloom {
 struct Surface {
     glm::vec3 diffuse{0.0f};  ///< (1 - metallic) baseColor, each channel at most kLargestAlbedo
     glm::vec3 specular{0.0f}; ///< F0 of the metallic part, metallic x baseColor
+    float grazing =
+        kLargestAlbedo;       ///< what the metallic part reflects at grazing angles (Schlick's F90): metallic x .99
     float roughness = 1.0f;   ///< GGX alpha = roughness^2
     glm::vec3 emission{0.0f}; ///< cd/m2 towards the side that was hit; zero behind a single-sided emitter
     [[nodiscard]] bool isMirror() const { return roughness < kMirrorRoughness && maxChannel3(specular) > 0.0f; }
@@ -15,6 +17,7 @@ struct Surface {
     static float maxChannel3(glm::vec3 v) { return glm::max(v.x, glm::max(v.y, v.z)); }
 };
 
+/// The surface at a hit. A black metal reflects nothing at any angle. Needs texture coordinates for a texture to count.
 [[nodiscard]] Surface surfaceAt(const RayScene& rays, const Hit& hit);
 
 /// Emission at barycentric (b1, b2) of a triangle seen from its front, cd/m2.
@@ -29,7 +32,7 @@ struct Surface {
 /// One scattered direction.
 struct Scatter {
     glm::vec3 away{0.0f};    ///< unit, leaves the surface
-    glm::vec3 weight{0.0f};  ///< brdf * cos / pdf, times 1 / probability of the chosen lobe
+    glm::vec3 weight{0.0f};  ///< brdf * cos / pdf of the whole mixture; a mirror's Fresnel / chance of its lobe
     float pdf = 0.0f;        ///< per solid angle, of the whole mixture; 0 for a mirror
     bool isMirror = false;   ///< a delta lobe: next event estimation cannot see it
     bool isSpecular = false; ///< the metallic lobe was taken (a mirror's or GGX's)

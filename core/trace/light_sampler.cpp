@@ -1,0 +1,388 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/trace/light_sampler.h"
+#include "core/base/sampling.h"
+#include "core/trace/material.h"
+#include <algorithm>
+#include <cmath>
+
+namespace lightloom {
+namespace {
+
+constexpr double kPiD = std::numbers::pi;
+/// Share of a group's photons dealt out evenly over its emitters, the rest by flux: the floor for dim lamps.
+constexpr double kEvenShare = 0.1;
+/// Below this cosine a patch counts as seen edge-on: nothing comes from it and no density stays finite.
+constexpr float kLeastCosine = 1e-6f;
+
+/// A spot's cone. 1 - cos by the half angle: narrow spots would lose it to rounding.
+struct Cone {
+    double inner = 0.0, outer = 0.0; // 1 - cos of the cones' half angles
+
+    Cone() = default;
+    explicit Cone(const PunctualLight& light)
+        : inner(oneMinusCos(std::min(light.innerCone, light.outerCone))), outer(oneMinusCos(light.outerCone))
+    {
+    }
+    static double oneMinusCos(float angle)
+    {
+        const double s = std::sin(0.5 * glm::clamp(static_cast<double>(angle), 0.0, kPiD));
+        return 2.0 * s * s;
+    }
+    [[nodiscard]] double rim() const { return outer - inner; }
+    [[nodiscard]] float falloff(float cosAngle) const
+    {
+        const double off = 1.0 - static_cast<double>(cosAngle);
+        if (off <= inner) return 1.0f;
+        if (off >= outer) return 0.0f; // also when the cones coincide: no rim to divide by
+        const double t = (outer - off) / rim();
+        return static_cast<float>(t * t);
+    }
+    /// Integral of the fall-off over the sphere, sr: the inner cap, and the rim's squared ramp in the cosine.
+    [[nodiscard]] double solidAngle() const { return 2.0 * kPiD * (inner + rim() / 3.0); }
+    /// A direction around +z in proportion to the fall-off.
+    [[nodiscard]] glm::vec3 sample(double u1, double u2) const
+    {
+        const double total = inner + rim() / 3.0, at = u1 * total;
+        double off = at;
+        if (at > inner) off = outer - rim() * std::cbrt((total - at) / (rim() / 3.0));
+        const double r = std::sqrt(std::max(0.0, off * (2.0 - off))), phi = 2.0 * kPiD * u2;
+        return {static_cast<float>(r * std::cos(phi)), static_cast<float>(r * std::sin(phi)),
+                static_cast<float>(1.0 - off)};
+    }
+};
+
+/// First entry of a rising sum that exceeds `at`, and how far `at` lies within it, in [0,1).
+struct Pick {
+    std::size_t index;
+    double within;
+};
+Pick pick(const std::vector<double>& sums, double at)
+{
+    const auto found = std::upper_bound(sums.begin(), sums.end(), at);
+    auto i = static_cast<std::size_t>(found - sums.begin());
+    if (i == sums.size()) { // rounding carried `at` past the end: the last entry that has a width
+        do --i;
+        while (i > 0 && sums[i] <= sums[i - 1]);
+    }
+    const double low = i > 0 ? sums[i - 1] : 0.0, width = sums[i] - low;
+    return {i, width > 0.0 ? glm::clamp((at - low) / width, 0.0, 1.0 - 0x1p-24) : 0.0};
+}
+
+/// Density per solid angle at `p` of a point picked by area; 0 for patches seen edge-on or touched.
+float solidAngleDensity(glm::vec3 p, glm::vec3 onLight, glm::vec3 normal, float area)
+{
+    const glm::vec3 d = onLight - p;
+    const float squared = glm::dot(d, d);
+    if (!(squared > 0.0f)) return 0.0f;
+    const float cosine = std::abs(glm::dot(d, normal)) / std::sqrt(squared);
+    return cosine > kLeastCosine ? squared / (cosine * area) : 0.0f;
+}
+
+glm::vec3 pointOn(const SceneTriangle& t, glm::vec2 b) { return t.a * (1.0f - b.x - b.y) + t.b * b.x + t.c * b.y; }
+
+/// The triangles of one emissive instance.
+struct Shape {
+    std::uint32_t first = 0;
+    std::vector<double> areas; // summed up to and including each triangle, m2
+    bool bothSides = false;
+    [[nodiscard]] double area() const { return areas.empty() ? 0.0 : areas.back(); }
+};
+
+/// Texels of the emission texture that a triangle covers.
+double texelsOn(const RayScene& rays, std::uint32_t triangle)
+{
+    const Texture& texture = rays.material(triangle).emissionTexture;
+    const SceneTriangle& t = rays.triangle(triangle);
+    const Scene& scene = rays.scene();
+    const Mesh& mesh = scene.meshes[static_cast<std::size_t>(scene.instances[t.instance].mesh)];
+    const auto& uv = mesh.uv[texture.uvSet == 1 ? 1 : 0];
+    if (!texture.isSet() || uv.empty()) return 0.0;
+    const Image& image = scene.images[static_cast<std::size_t>(texture.image)];
+    const glm::uvec3 v = mesh.triangles[t.indexInMesh];
+    const glm::dvec2 size = glm::dvec2(texture.scale) * glm::dvec2(image.width, image.height);
+    const glm::dvec2 e1 = glm::dvec2(uv[v.y] - uv[v.x]) * size, e2 = glm::dvec2(uv[v.z] - uv[v.x]) * size;
+    const double texels = 0.5 * std::abs(e1.x * e2.y - e1.y * e2.x);
+    return std::isfinite(texels) ? texels : 0.0;
+}
+
+/// Mean emission of a triangle: on a grid about twice as fine as the texels it covers, within reason. Photons look
+/// up their own point, so what this misses shifts only who is picked how often, never the light.
+glm::dvec3 meanEmission(const RayScene& rays, std::uint32_t triangle)
+{
+    const double texels = texelsOn(rays, triangle);
+    if (texels == 0.0) return glm::dvec3(emissionAt(rays, triangle, glm::vec2(1.0f / 3.0f)));
+    const int n = glm::clamp(static_cast<int>(std::ceil(2.0 * std::sqrt(std::min(texels, 1e6)))), 4, 256);
+    glm::dvec3 sum(0.0);
+    for (int i = 0; i < n; ++i) {
+        for (int j = 0; j < n; ++j) {
+            const float u1 = (static_cast<float>(i) + 0.5f) / static_cast<float>(n);
+            const float u2 = (static_cast<float>(j) + 0.5f) / static_cast<float>(n);
+            sum += glm::dvec3(emissionAt(rays, triangle, sampleTriangle(u1, u2)));
+        }
+    }
+    return sum / static_cast<double>(n * n);
+}
+
+double luminous(glm::dvec3 c)
+{
+    return static_cast<double>(kLumaR) * c.x + static_cast<double>(kLumaG) * c.y + static_cast<double>(kLumaB) * c.z;
+}
+
+/// Who is shot from in one group.
+struct Dealer {
+    std::vector<int> emitters;
+    std::vector<double> sums;    // chances, summed
+    std::vector<double> chances; // of each
+    glm::dvec3 flux{0.0};
+};
+
+} // namespace
+
+struct LightSampler::State {
+    std::shared_ptr<const RayScene> rays;
+    std::vector<Emitter> emitters;
+    std::vector<glm::dvec3> flux; // as Emitter::flux
+    std::vector<Shape> shapes;    // by emitter, empty for punctual lights
+    std::vector<Cone> cones;      // by emitter, spots only
+    std::vector<Dealer> groups;
+    std::vector<int> emitterOfInstance;
+    glm::vec3 centre{0.0f}; // of a sphere around the scene, for directional lights
+    float radius = 0.0f;
+
+    void addPunctual(int index);
+    void addSurface(int index);
+    void add(const Emitter& emitter, glm::dvec3 lumen);
+    void deal();
+    [[nodiscard]] const PunctualLight& light(const Emitter& e) const
+    {
+        return rays->scene().lights[static_cast<std::size_t>(e.light)];
+    }
+    void emitPunctual(const Emitter& e, const Cone& cone, Rng& rng, EmittedPhoton& out) const;
+    void emitSurface(const Shape& shape, Rng& rng, EmittedPhoton& out) const;
+    bool samplePunctual(const Emitter& e, const Cone& cone, glm::vec3 p, LightSample& out) const;
+    bool sampleSurface(const Shape& shape, glm::vec3 p, glm::vec2 u, LightSample& out) const;
+};
+
+void LightSampler::State::add(const Emitter& emitter, glm::dvec3 lumen)
+{
+    emitters.push_back(emitter);
+    emitters.back().flux = glm::vec3(lumen);
+    flux.push_back(lumen);
+    shapes.resize(emitters.size());
+    cones.resize(emitters.size());
+    Dealer& group = groups[static_cast<std::size_t>(emitter.group)];
+    group.emitters.push_back(static_cast<int>(emitters.size()) - 1);
+    group.flux += lumen;
+}
+
+void LightSampler::State::addPunctual(int index)
+{
+    const PunctualLight& l = rays->scene().lights[static_cast<std::size_t>(index)];
+    Emitter e{Emitter::Kind::point, l.group, index, -1, {}};
+    double solidAngle = 4.0 * kPiD;
+    Cone cone;
+    if (l.kind == PunctualLight::Kind::spot) {
+        e.kind = Emitter::Kind::spot;
+        cone = Cone(l);
+        solidAngle = cone.solidAngle();
+    } else if (l.kind == PunctualLight::Kind::directional) {
+        e.kind = Emitter::Kind::directional;
+        solidAngle = kPiD * static_cast<double>(radius) * static_cast<double>(radius); // here an area: lux x m2
+    }
+    add(e, glm::dvec3(l.intensity) * solidAngle);
+    cones.back() = cone;
+}
+
+void LightSampler::State::addSurface(int index)
+{
+    const Scene& scene = rays->scene();
+    const Instance& instance = scene.instances[static_cast<std::size_t>(index)];
+    const Mesh& mesh = scene.meshes[static_cast<std::size_t>(instance.mesh)];
+    const Material& material = scene.materials[static_cast<std::size_t>(mesh.material)];
+    Shape shape;
+    shape.first = rays->firstTriangle(static_cast<std::uint32_t>(index));
+    shape.bothSides = material.doubleSided;
+    double area = 0.0;
+    glm::dvec3 lumen(0.0);
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        const double a = static_cast<double>(rays->triangleArea(shape.first + t));
+        area += a;
+        shape.areas.push_back(area);
+        lumen += meanEmission(*rays, shape.first + t) * (a * kPiD * (shape.bothSides ? 2.0 : 1.0));
+    }
+    emitterOfInstance[static_cast<std::size_t>(index)] = static_cast<int>(emitters.size());
+    add({Emitter::Kind::surface, instance.group, -1, index, {}}, lumen);
+    shapes.back() = std::move(shape);
+}
+
+void LightSampler::State::deal()
+{
+    for (Dealer& group : groups) {
+        const auto shines = [&](int e) {
+            const auto i = static_cast<std::size_t>(e);
+            // a textured emitter may shine between the points its mean was taken at
+            return luminous(flux[i]) > 0.0 || shapes[i].area() > 0.0;
+        };
+        const auto count = static_cast<double>(std::count_if(group.emitters.begin(), group.emitters.end(), shines));
+        const double all = luminous(group.flux);
+        double sum = 0.0;
+        for (const int e : group.emitters) {
+            double chance = 0.0;
+            if (shines(e)) {
+                const double even = 1.0 / count;
+                const double share = all > 0.0 ? luminous(flux[static_cast<std::size_t>(e)]) / all : even;
+                chance = (1.0 - kEvenShare) * share + kEvenShare * even;
+            }
+            group.chances.push_back(chance);
+            group.sums.push_back(sum += chance);
+        }
+    }
+}
+
+void LightSampler::State::emitPunctual(const Emitter& e, const Cone& cone, Rng& rng, EmittedPhoton& out) const
+{
+    const PunctualLight& l = light(e);
+    const float u1 = rng.uniform(), u2 = rng.uniform();
+    out.position = l.position;
+    out.side = glm::vec3(0.0f);
+    out.flux = e.flux;
+    switch (e.kind) {
+    case Emitter::Kind::spot:
+        out.travel = glm::normalize(Frame(l.travel).toWorld(cone.sample(u1, u2)));
+        break;
+    case Emitter::Kind::directional: {
+        const glm::vec2 d = radius * sampleDisc(u1, u2);
+        out.position = centre + Frame(l.travel).toWorld({d.x, d.y, -2.0f * radius});
+        out.travel = l.travel;
+        break;
+    }
+    default:
+        out.travel = sampleSphere(u1, u2);
+        break;
+    }
+}
+
+void LightSampler::State::emitSurface(const Shape& shape, Rng& rng, EmittedPhoton& out) const
+{
+    const Pick at = pick(shape.areas, rng.uniformDouble() * shape.area());
+    const auto triangle = shape.first + static_cast<std::uint32_t>(at.index);
+    const float u1 = rng.uniform(), u2 = rng.uniform();
+    const glm::vec2 b = sampleTriangle(u1, u2);
+    const float c1 = rng.uniform(), c2 = rng.uniform();
+    const float turn = shape.bothSides && rng.uniform() < 0.5f ? -1.0f : 1.0f;
+    out.side = turn * rays->triangleNormal(triangle);
+    out.position = rays->leave(pointOn(rays->triangle(triangle), b), out.side);
+    out.travel = glm::normalize(Frame(out.side).toWorld(sampleCosineHemisphere(c1, c2)));
+    const double lumenPerNit = kPiD * shape.area() * (shape.bothSides ? 2.0 : 1.0);
+    out.flux = glm::vec3(glm::dvec3(emissionAt(*rays, triangle, b)) * lumenPerNit);
+}
+
+bool LightSampler::State::samplePunctual(const Emitter& e, const Cone& cone, glm::vec3 p, LightSample& out) const
+{
+    const PunctualLight& l = light(e);
+    if (e.kind == Emitter::Kind::directional) {
+        out.toLight = -l.travel;
+        out.distance = glm::length(p - centre) + 2.0f * radius + 1.0f; // past everything the scene has
+        out.end = p + out.toLight * out.distance;
+        out.illuminance = l.intensity;
+        return true;
+    }
+    const glm::vec3 d = l.position - p;
+    const float squared = glm::dot(d, d);
+    if (!(squared > 0.0f)) return false;
+    out.distance = std::sqrt(squared);
+    out.toLight = d / out.distance;
+    out.end = l.position;
+    const float fade = e.kind == Emitter::Kind::spot ? cone.falloff(-glm::dot(out.toLight, l.travel)) : 1.0f;
+    out.illuminance = l.intensity * (fade / squared);
+    return fade > 0.0f;
+}
+
+bool LightSampler::State::sampleSurface(const Shape& shape, glm::vec3 p, glm::vec2 u, LightSample& out) const
+{
+    if (!(shape.area() > 0.0)) return false;
+    const Pick at = pick(shape.areas, static_cast<double>(u.x) * shape.area());
+    const auto triangle = shape.first + static_cast<std::uint32_t>(at.index);
+    const glm::vec2 b = sampleTriangle(static_cast<float>(at.within), u.y);
+    const glm::vec3 onLight = pointOn(rays->triangle(triangle), b), normal = rays->triangleNormal(triangle);
+    const bool isFront = glm::dot(p - onLight, normal) > 0.0f;
+    if (!isFront && !shape.bothSides) return false;
+    out.pdf = solidAngleDensity(p, onLight, normal, static_cast<float>(shape.area()));
+    if (!(out.pdf > 0.0f)) return false;
+    out.radiance = emissionAt(*rays, triangle, b);
+    if (maxChannel(out.radiance) <= 0.0f) return false;
+    out.toLight = glm::normalize(onLight - p);
+    out.end = rays->leave(onLight, isFront ? normal : -normal);
+    out.distance = glm::length(out.end - p);
+    return true;
+}
+
+LightSampler::LightSampler(std::shared_ptr<const RayScene> rays) : state_(std::make_unique<State>())
+{
+    State& s = *state_;
+    s.rays = std::move(rays);
+    const Scene& scene = s.rays->scene();
+    s.centre = scene.bounds.centre();
+    s.radius = 0.5f * scene.bounds.diagonal() * (1.0f + 1e-5f); // rounding must leave no corner outside the disc
+    s.groups.resize(scene.groups.size());
+    s.emitterOfInstance.assign(scene.instances.size(), -1);
+    for (std::size_t i = 0; i < scene.lights.size(); ++i) s.addPunctual(static_cast<int>(i));
+    for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+        if (scene.instances[i].group >= 0) s.addSurface(static_cast<int>(i));
+    }
+    s.deal();
+}
+LightSampler::~LightSampler() = default;
+LightSampler::LightSampler(LightSampler&&) noexcept = default;
+
+const std::vector<Emitter>& LightSampler::emitters() const { return state_->emitters; }
+const std::vector<int>& LightSampler::inGroup(int group) const
+{
+    return state_->groups[static_cast<std::size_t>(group)].emitters;
+}
+glm::vec3 LightSampler::groupFlux(int group) const
+{
+    return glm::vec3(state_->groups[static_cast<std::size_t>(group)].flux);
+}
+
+bool LightSampler::emit(int group, Rng& rng, EmittedPhoton& photon) const
+{
+    const Dealer& dealer = state_->groups[static_cast<std::size_t>(group)];
+    if (dealer.sums.empty() || !(dealer.sums.back() > 0.0)) return false;
+    const std::size_t i = pick(dealer.sums, rng.uniformDouble() * dealer.sums.back()).index;
+    const auto e = static_cast<std::size_t>(dealer.emitters[i]);
+    const Emitter& emitter = state_->emitters[e];
+    if (emitter.kind == Emitter::Kind::surface)
+        state_->emitSurface(state_->shapes[e], rng, photon);
+    else
+        state_->emitPunctual(emitter, state_->cones[e], rng, photon);
+    photon.flux /= static_cast<float>(dealer.chances[i]);
+    return maxChannel(photon.flux) > 0.0f;
+}
+
+bool LightSampler::sample(int emitter, glm::vec3 p, glm::vec2 u, LightSample& out) const
+{
+    const auto e = static_cast<std::size_t>(emitter);
+    const Emitter& what = state_->emitters[e];
+    out = LightSample{};
+    return what.kind == Emitter::Kind::surface ? state_->sampleSurface(state_->shapes[e], p, u, out)
+                                               : state_->samplePunctual(what, state_->cones[e], p, out);
+}
+
+float LightSampler::pdf(glm::vec3 origin, const Hit& hit) const
+{
+    const int e = emitterOf(hit.triangle);
+    if (e < 0) return 0.0f;
+    const Shape& shape = state_->shapes[static_cast<std::size_t>(e)];
+    if (!hit.isFront && !shape.bothSides) return 0.0f;
+    return solidAngleDensity(origin, hit.position, hit.normal, static_cast<float>(shape.area()));
+}
+
+int LightSampler::emitterOf(std::uint32_t triangle) const
+{
+    return state_->emitterOfInstance[state_->rays->triangle(triangle).instance];
+}
+
+float spotFalloff(const PunctualLight& light, float cosAngle) { return Cone(light).falloff(cosAngle); }
+
+} // namespace lightloom
