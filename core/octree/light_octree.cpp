@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/octree/light_octree.h"
+#include "core/base/units.h"
+#include "core/field/solver.h"
+#include "core/octree/vdl_cluster.h"
+#include "core/trace/cell_clip.h"
+#include <algorithm>
+#include <cmath>
+
+namespace lightloom {
+
+std::int64_t OctreeGeometry::leafAt(glm::ivec3 cell) const
+{
+    const int side = 1 << depth;
+    const bool inside = cell.x >= 0 && cell.y >= 0 && cell.z >= 0 && cell.x < side && cell.y < side && cell.z < side;
+    if (!inside) return -1;
+    const std::uint64_t code = mortonCode(glm::uvec3(cell));
+    const auto at = std::ranges::lower_bound(cells, code);
+    return at != cells.end() && *at == code ? at - cells.begin() : -1;
+}
+
+LightOctree::LightOctree(std::shared_ptr<const OctreeGeometry> geometry,
+                         std::vector<std::shared_ptr<const VdlLayer>> layers, VdlForm form, Mix mix)
+    : geometry_(std::move(geometry)), layers_(std::move(layers)), form_(form), mix_(std::move(mix))
+{
+}
+
+namespace {
+
+/// Entry of a leaf whose normal is nearest `n`, or -1 where none is compatible.
+std::int64_t entryFor(const OctreeGeometry& geometry, std::int64_t leaf, glm::vec3 n)
+{
+    std::int64_t best = -1;
+    float bestCosine = kCompatibleCosine;
+    const auto i = static_cast<std::size_t>(leaf);
+    for (std::uint32_t e = geometry.firstEntry[i]; e < geometry.firstEntry[i + 1]; ++e) {
+        const float cosine = glm::dot(geometry.entries[e].normal, n);
+        if (cosine > bestCosine) bestCosine = cosine, best = e; // the first of equals: the one with more surface
+    }
+    return best;
+}
+
+} // namespace
+
+bool LightOctree::lookup(glm::vec3 p, glm::vec3 n, glm::vec3& lux) const
+{
+    lux = glm::vec3(0.0f);
+    const glm::vec3 at = (p - geometry_->lowest) / geometry_->cellSize() - 0.5f;
+    const glm::vec3 base = glm::floor(at), part = at - base;
+    // far outside the lattice (or NaN) no neighbour exists, and a cast to int would overflow
+    if (!(glm::length(base) < 4e6f)) return false;
+    const glm::ivec3 cell(base);
+    float weights = 0.0f;
+    glm::vec3 sum(0.0f);
+    for (int i = 0; i < 8; ++i) {
+        const glm::ivec3 step(i & 1, i >> 1 & 1, i >> 2 & 1);
+        const float weight =
+            (step.x ? part.x : 1.0f - part.x) * (step.y ? part.y : 1.0f - part.y) * (step.z ? part.z : 1.0f - part.z);
+        if (!(weight > 0.0f)) continue;
+        const std::int64_t leaf = geometry_->leafAt(cell + step);
+        if (leaf < 0) continue;
+        const std::int64_t entry = entryFor(*geometry_, leaf, n);
+        if (entry < 0) continue;
+        weights += weight;
+        for (const auto& layer : layers_) {
+            if (!layer) continue;
+            const glm::vec3 gain = gainOf(mix_, layer->group);
+            const Vdl* vdls =
+                layer->vdls.data() + static_cast<std::size_t>(entry) * static_cast<std::size_t>(layer->count);
+            glm::vec3 e(0.0f);
+            for (int j = 0; j < layer->count; ++j) e += vdls[j].colour * glm::max(0.0f, glm::dot(n, vdls[j].toLight));
+            sum += weight * gain * e;
+        }
+    }
+    if (!(weights > 0.0f)) return false;
+    lux = sum / weights;
+    return true;
+}
+
+std::shared_ptr<const IndirectField> LightOctree::withMix(Mix mix) const
+{
+    return std::make_shared<LightOctree>(geometry_, layers_, form_, std::move(mix));
+}
+
+std::size_t LightOctree::memoryBytes() const
+{
+    std::size_t sum = geometry_->cells.size() * (sizeof(std::uint64_t) + sizeof(std::uint32_t)) +
+                      geometry_->entries.size() * sizeof(OctreeEntry);
+    for (const auto& layer : layers_) {
+        if (layer) sum += layer->vdls.size() * sizeof(Vdl) + layer->scalar.size() * sizeof(glm::vec3);
+    }
+    return sum;
+}
+
+std::vector<Vdl> LightOctree::mixed(std::uint32_t e, int most) const
+{
+    std::vector<LightVector> lights;
+    for (const auto& layer : layers_) {
+        if (!layer) continue;
+        const glm::vec3 gain = gainOf(mix_, layer->group);
+        for (int j = 0; j < layer->count; ++j) {
+            const Vdl& vdl =
+                layer->vdls[std::size_t(e) * static_cast<std::size_t>(layer->count) + static_cast<std::size_t>(j)];
+            const glm::vec3 colour = gain * vdl.colour;
+            const float luma = luminance(colour);
+            if (luma > 0.0f) lights.push_back({vdl.toLight, colour, luma});
+        }
+    }
+    std::vector<Vdl> out(static_cast<std::size_t>(most));
+    if (lights.size() <= out.size()) { // nothing to merge: as they are
+        for (std::size_t i = 0; i < lights.size(); ++i) out[i] = {lights[i].colour, lights[i].toLight};
+        return out;
+    }
+    ClusterScratch scratch;
+    fitVdls(lights, geometry_->entries[e].normal, form_, out, scratch);
+    return out;
+}
+
+} // namespace lightloom

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "core/octree/light_octree.h"
+#include "core/trace/cell_clip.h"
+
+namespace lightloom {
+
+/// Leaves of depth `depth` with one entry per orientation of the surface inside each (pieces within 53 degrees of an
+/// entry's mean normal join it). Entries of a leaf are ordered by area, largest first. Null: stopped.
+[[nodiscard]] std::shared_ptr<const OctreeGeometry> buildOctree(const RayScene& rays, const LightReach& reach,
+                                                                int depth, float shift, Workers& workers,
+                                                                const std::stop_token& stop);
+
+inline constexpr float kSameOrientation = 0.6f; ///< cosine within which pieces share an entry
+inline constexpr std::size_t kMostEntries = 32; ///< per leaf; further orientations join the nearest (a texel has room)
+
+} // namespace lightloom
