@@ -1,0 +1,316 @@
+// SPDX-License-Identifier: Apache-2.0
+// Claim: the shading maths is one text for two compilers. Every shared function gives on the GPU what it gives in C++,
+// on 65,536 inputs (zeros, axes, denormals and huge values among them), and both give what a double-precision version
+// written here says: two copies of one mistake would agree perfectly.
+#include "shaders/common.h"
+#include "widgets/gl/gl_objects.h"
+#include "widgets/gl/gl_probe.h"
+#include "widgets/gl/shader_library.h"
+#include <QOffscreenSurface>
+#include <QOpenGLContext>
+#include <QOpenGLVersionFunctionsFactory>
+#include <QtTest>
+#include <bit>
+#include <cmath>
+#include <random>
+
+using namespace lightloom;
+using glm::dvec3;
+using glm::dvec4;
+using glm::vec3;
+using glm::vec4;
+
+namespace {
+
+constexpr int kSide = 256; // kSide^2 inputs
+
+/// A shared function (or a few) under test: the same call three times.
+struct Twin {
+    const char* name;
+    const char* glsl; ///< expression of type vec4 in the inputs a, b (vec4)
+    vec4 (*shared)(vec4 a, vec4 b);
+    dvec4 (*wanted)(dvec4 a, dvec4 b);
+    float low, high;         ///< range of random inputs
+    bool unit = false;       ///< the inputs' xyz are directions
+    double tolerance = 2e-6; ///< of max(1, |wanted|)
+    bool huge = false;       ///< survives values of 1e18 too
+};
+
+vec4 v4(vec3 v) { return vec4(v.x, v.y, v.z, 0.0f); }
+vec4 v4(float v) { return vec4(v, 0.0f, 0.0f, 0.0f); }
+dvec4 d4(double v) { return dvec4(v, 0.0, 0.0, 0.0); }
+vec3 xyz(vec4 v) { return vec3(v.x, v.y, v.z); }
+dvec3 xyz(dvec4 v) { return dvec3(v.x, v.y, v.z); }
+unsigned bits(double v) { return static_cast<unsigned>(v); }
+
+double halfInDouble(unsigned h)
+{
+    const int exponent = static_cast<int>((h >> 10) & 31), mantissa = static_cast<int>(h & 1023);
+    const double value = exponent == 0 ? std::ldexp(mantissa, -24) : std::ldexp(1024 + mantissa, exponent - 25);
+    return (h & 0x8000) != 0 ? -value : value;
+}
+
+dvec3 directionInDouble(unsigned theta, unsigned phi)
+{
+    const double t = std::acos(-1.0) * theta / 255.0, p = 2.0 * std::acos(-1.0) * phi / 256.0;
+    return {std::sin(t) * std::cos(p), std::sin(t) * std::sin(p), std::cos(t)};
+}
+
+dvec3 toneInDouble(dvec3 c)
+{
+    c = glm::max(c, dvec3(0.0));
+    const double peak = std::max({c.x, c.y, c.z});
+    if (peak <= 0.7) return c;
+    const double x = (peak - 0.7) / 0.3, held = 0.7 + 0.3 * (x / (x + 1.0));
+    const double k = 0.15 * (peak - held), fade = k / (1.0 + k);
+    return glm::min(glm::mix(c / peak * held, dvec3(held), fade), dvec3(1.0));
+}
+
+double srgbInDouble(double v) { return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055; }
+
+dvec3 metalInDouble(dvec3 f0, double alpha, dvec3 n, dvec3 l, dvec3 v)
+{
+    const double nl = glm::dot(n, l), nv = glm::dot(n, v);
+    if (nl <= 0.0 || nv <= 0.0) return dvec3(0.0);
+    const dvec3 h = (l + v) / std::max(glm::length(l + v), 1e-4);
+    const double a2 = std::max(alpha * alpha, 1e-4), nh = std::max(glm::dot(n, h), 0.0);
+    const double d = a2 / (std::acos(-1.0) * std::pow(nh * nh * (a2 - 1.0) + 1.0, 2.0));
+    const double lambdaL = nv * std::sqrt(nl * nl * (1.0 - a2) + a2),
+                 lambdaV = nl * std::sqrt(nv * nv * (1.0 - a2) + a2);
+    const double lh = std::clamp(glm::dot(l, h), 0.0, 1.0);
+    return glm::mix(f0, dvec3(1.0), std::pow(1.0 - lh, 5.0)) * (d * 0.5 / std::max(lambdaL + lambdaV, 1e-4)) * nl;
+}
+
+// clang-format off
+const Twin kTwins[] = {
+    {"half", "vec4(halfValue(uint(a.x)), halfValue(uint(a.y)), 0.0, 0.0)",
+     [](vec4 a, vec4) { return vec4(shader::halfValue(bits(a.x)), shader::halfValue(bits(a.y)), 0, 0); },
+     [](dvec4 a, dvec4) { return dvec4(halfInDouble(bits(a.x)), halfInDouble(bits(a.y)), 0, 0); }, 0, 65535.99f, false, 0},
+    {"direction", "vec4(directionValue(uint(a.x), uint(a.y)), 0.0)",
+     [](vec4 a, vec4) { return v4(shader::directionValue(bits(a.x), bits(a.y))); },
+     [](dvec4 a, dvec4) { return dvec4(directionInDouble(bits(a.x), bits(a.y)), 0); }, 0, 255.99f},
+    {"vdl", "vec4(vdlIlluminance(abs(b.xyz), a.xyz, vec3(0.6, 0.0, 0.8)), 0.0)",
+     [](vec4 a, vec4 b) { return v4(shader::vdlIlluminance(glm::abs(xyz(b)), xyz(a), vec3(0.6f, 0, 0.8f))); },
+     [](dvec4 a, dvec4 b) { return dvec4(glm::abs(xyz(b)) * std::max(0.0, 0.6f * a.x + 0.8f * a.z), 0); }, -1, 1, true},
+    {"octree position", "vec4(octreePosition(a.xyz, vec3(-2.0, 1.0, 0.5), 0.25), 0.0)",
+     [](vec4 a, vec4) { return v4(shader::octreePosition(xyz(a), vec3(-2, 1, 0.5f), 0.25f)); },
+     [](dvec4 a, dvec4) { return dvec4((xyz(a) - dvec3(-2, 1, 0.5)) * 4.0, 0); }, -8, 8, false, 2e-6, true},
+    {"octree descent", "vec4(vec3(brickTexel(ivec3(b.xyz), octreeChild(ivec3(a.xyz), int(a.w) / 8, 6))), octreeHolds(ivec3(a.xyz), 5) ? 1.0 : 0.0)",
+     [](vec4 a, vec4 b) {
+         const glm::ivec3 cell(xyz(a)), texel = shader::brickTexel(glm::ivec3(xyz(b)), shader::octreeChild(cell, int(a.w) / 8, 6));
+         return vec4(vec3(texel), shader::octreeHolds(cell, 5) ? 1 : 0); },
+     [](dvec4 a, dvec4 b) {
+         const double half = std::exp2(5 - std::floor(std::floor(a.w) / 8)); // side of a child's subtree in cells
+         const dvec3 child = glm::mod(glm::floor(glm::floor(xyz(a)) / half), dvec3(2.0));
+         const bool holds = std::max({a.x, a.y, a.z}) < 32.0;
+         return dvec4(2.0 * glm::floor(xyz(b)) + child, holds); }, 0, 47.99f, false, 0},
+    {"texel", "vec4(texelIsNode(uvec4(a)) ? 1.0 : 0.0, float(texelEntries(uvec4(a))), float(texelAddress(uvec4(a))), float(texelBrick(uvec4(a)).y))",
+     [](vec4 a, vec4) {
+         const glm::uvec4 t(bits(a.x), bits(a.y), bits(a.z), bits(a.w));
+         return vec4(shader::texelIsNode(t) ? 1 : 0, shader::texelEntries(t), shader::texelAddress(t), shader::texelBrick(t).y); },
+     [](dvec4 a, dvec4) {
+         const dvec4 t = glm::floor(a);
+         return dvec4(t.w == 1.0, std::max(t.w - 1.0, 0.0), t.x + 256.0 * t.y + 65536.0 * t.z, t.y); }, 0, 255.99f, false, 0},
+    {"row", "vec4(vec2(rowTexel(int(a.x), 1 + int(a.y) / 64)), 0.0, 0.0)",
+     [](vec4 a, vec4) { return vec4(glm::vec2(shader::rowTexel(int(a.x), 1 + int(a.y) / 64)), 0, 0); },
+     [](dvec4 a, dvec4) {
+         const double width = 1.0 + std::floor(std::floor(a.y) / 64.0), number = std::floor(a.x);
+         return dvec4(number - width * std::floor(number / width), std::floor(number / width), 0, 0); }, 0, 65535, false, 0},
+    {"corner weight", "vec4(cornerWeight(a.xyz, ivec3(b.xyz * 2.0)), 0.0, 0.0, 0.0)",
+     [](vec4 a, vec4 b) { return v4(shader::cornerWeight(xyz(a), glm::ivec3(xyz(b) * 2.0f))); },
+     [](dvec4 a, dvec4 b) {
+         const auto one = [](double f, double c) { return c < 0.5 ? 1.0 - f : f; };
+         return d4(one(a.x, b.x) * one(a.y, b.y) * one(a.z, b.z)); }, 0, 0.9999f},
+    {"spot", "vec4(spotFactor(a.x, 0.9, 0.7), spotFactor(a.y, 0.8, 0.8), 0.0, 0.0)",
+     [](vec4 a, vec4) { return vec4(shader::spotFactor(a.x, 0.9f, 0.7f), shader::spotFactor(a.y, 0.8f, 0.8f), 0, 0); },
+     [](dvec4 a, dvec4) {
+         const auto one = [](double c, double in, double out) { return std::pow(std::clamp((c - out) / std::max(in - out, double(1e-4f)), 0.0, 1.0), 2.0); };
+         return dvec4(one(a.x, 0.9f, 0.7f), one(a.y, 0.8f, 0.8f), 0, 0); }, -1, 1, false, 1e-3},
+    {"patch", "vec4(patchFactor(a.x, a.y, abs(b.x) * 100.0, abs(b.y)), 0.0, 0.0, 0.0)",
+     [](vec4 a, vec4 b) { return v4(shader::patchFactor(a.x, a.y, std::abs(b.x) * 100.0f, std::abs(b.y))); },
+     [](dvec4 a, dvec4 b) {
+         const double area = std::abs(b.y), squared = std::abs(b.x) * 100.0;
+         if (area == 0.0) return d4(0.0);
+         return d4(std::max(a.x, 0.0) * std::max(a.y, 0.0) / (squared / area + 1.0 / std::acos(-1.0))); }, -1, 1},
+    {"lambert", "vec4(lambert(a.xyz, b.xyz), 0.0)",
+     [](vec4 a, vec4 b) { return v4(shader::lambert(xyz(a), xyz(b))); },
+     [](dvec4 a, dvec4 b) { return dvec4(xyz(a) * xyz(b) / std::acos(-1.0), 0); }, 0, 1e4f, false, 2e-6, true},
+    {"metal", "vec4(metalReflects(vec3(0.9, 0.6, 0.3), 0.3, vec3(0.0, 0.0, 1.0), a.xyz, b.xyz), 0.0)",
+     [](vec4 a, vec4 b) { return v4(shader::metalReflects(vec3(0.9f, 0.6f, 0.3f), 0.3f, vec3(0, 0, 1), xyz(a), xyz(b))); },
+     [](dvec4 a, dvec4 b) { return dvec4(metalInDouble(dvec3(0.9, 0.6, 0.3), 0.3, dvec3(0, 0, 1), xyz(a), xyz(b)), 0); }, -1, 1, true, 2e-5},
+    {"exposure", "vec4(exposureScale(a.x), 0.0, 0.0, 0.0)",
+     [](vec4 a, vec4) { return v4(shader::exposureScale(a.x)); },
+     [](dvec4 a, dvec4) { return d4(1.0 / (1.2 * std::pow(2.0, a.x))); }, -4, 20, false, 4e-6},
+    {"tone", "vec4(toneCurve(a.xyz, kToneSoft), 0.0)",
+     [](vec4 a, vec4) { return v4(shader::toneCurve(xyz(a), shader::kToneSoft)); },
+     [](dvec4 a, dvec4) { return dvec4(toneInDouble(xyz(a)), 0); }, -0.1f, 8, false, 2e-6, true},
+    {"screen", "vec4(screenColour(a.xyz, 0.25, kToneNone), srgbDecode(min(abs(b.x) / 8.0, 1.0)))",
+     [](vec4 a, vec4 b) { return vec4(shader::screenColour(xyz(a), 0.25f, shader::kToneNone), shader::srgbDecode(std::min(std::abs(b.x) / 8.0f, 1.0f))); },
+     [](dvec4 a, dvec4 b) {
+         const auto one = [](double v) { return srgbInDouble(std::clamp(v * 0.25, 0.0, 1.0)); };
+         const double e = std::min(std::abs(b.x) / 8.0, 1.0), back = e <= 0.04045 ? e / 12.92 : std::pow((e + 0.055) / 1.055, 2.4);
+         return dvec4(one(a.x), one(a.y), one(a.z), back); }, -0.1f, 8, false, 4e-6, true},
+};
+// clang-format on
+
+/// Random inputs, and in front of them zeros, axes, denormals and the ends of the range.
+std::vector<vec4> inputs(const Twin& twin, unsigned seed)
+{
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<float> value(twin.low, twin.high);
+    std::vector<vec4> all;
+    const float denormal = std::bit_cast<float>(0x00000fffu);
+    for (const float v : {0.0f, denormal, twin.low, twin.high, 1.0f}) {
+        if (v >= twin.low && v <= twin.high && !twin.unit) all.emplace_back(v);
+    }
+    if (twin.huge) all.emplace_back(1e18f);
+    for (int axis = 0; axis < 3; ++axis) {
+        vec4 v(0.0f);
+        v[axis] = std::min(1.0f, twin.high);
+        all.push_back(v);
+        if (twin.low < 0.0f) all.push_back(v * std::max(-1.0f, twin.low));
+    }
+    while (all.size() < kSide * kSide) {
+        vec4 v(value(random), value(random), value(random), value(random));
+        if (twin.unit) {
+            const float length = glm::length(xyz(v));
+            if (length < 0.1f || length > 1.0f) continue;
+            v = vec4(xyz(v) / length, v.w);
+        }
+        all.push_back(v);
+    }
+    // b must not start with the same specials as a, or pairs of a special and a random value never meet
+    if (seed % 2 == 0) std::rotate(all.begin(), all.begin() + 7, all.end());
+    return all;
+}
+
+double distance(vec4 got, dvec4 wanted)
+{
+    double worst = 0.0;
+    for (int i = 0; i < 4; ++i) {
+        const double error = std::abs(double(got[i]) - wanted[i]) / std::max(1.0, std::abs(wanted[i]));
+        worst = error <= worst ? worst : error; // NaN wins
+    }
+    return worst;
+}
+
+} // namespace
+
+class ShaderTwinsTest : public QObject {
+    Q_OBJECT
+    QOffscreenSurface surface_;
+    QOpenGLContext context_;
+    Gl* gl_ = nullptr;
+
+    std::vector<vec4> onGpu(const Twin& twin, const std::vector<vec4>& a, const std::vector<vec4>& b)
+    {
+        const QByteArray text =
+            QByteArray("#version 330 core\n"
+                       "#include \"shared_limits.glsl\"\n#include \"common_colour.glsl\"\n"
+                       "#include \"common_octree.glsl\"\n#include \"common_shading.glsl\"\n"
+                       "#include \"common_vdl.glsl\"\n"
+                       "uniform sampler2D inputA, inputB;\nout vec4 result;\nvoid main()\n{\n"
+                       "    vec4 a = texelFetch(inputA, ivec2(gl_FragCoord.xy), 0);\n"
+                       "    vec4 b = texelFetch(inputB, ivec2(gl_FragCoord.xy), 0);\n    result = ") +
+            twin.glsl + ";\n}\n";
+        const ShaderLibrary library([&](const QString& name) -> std::optional<QByteArray> {
+            if (name == "twin.frag") return text;
+            QFile file(":/shaders/" + name);
+            return file.open(QIODevice::ReadOnly) ? std::optional(file.readAll()) : std::nullopt;
+        });
+        const Result<GlProgram> program = library.link(*gl_, "fullscreen.vert", "twin.frag");
+        if (!program) {
+            qWarning("%s", program.error().message.c_str());
+            return {};
+        }
+        const GlTexture inA = makeTexture2D(*gl_, GL_RGBA32F, glm::ivec2(kSide), GL_RGBA, GL_FLOAT, a.data());
+        const GlTexture inB = makeTexture2D(*gl_, GL_RGBA32F, glm::ivec2(kSide), GL_RGBA, GL_FLOAT, b.data());
+        const GlTexture out = makeTexture2D(*gl_, GL_RGBA32F, glm::ivec2(kSide), GL_RGBA, GL_FLOAT, nullptr);
+        const GLuint colour = out.id();
+        const Result<GlFramebuffer> target = makeFramebuffer(*gl_, {&colour, 1}, 0);
+        if (!target) return {};
+        const GlVertexArray empty(*gl_);
+        gl_->glBindVertexArray(empty.id());
+        gl_->glViewport(0, 0, kSide, kSide);
+        program->use();
+        program->setTexture("inputA", 0, GL_TEXTURE_2D, inA.id());
+        program->setTexture("inputB", 1, GL_TEXTURE_2D, inB.id());
+        drawFullscreen(*gl_);
+        std::vector<vec4> result(kSide * kSide);
+        gl_->glReadPixels(0, 0, kSide, kSide, GL_RGBA, GL_FLOAT, result.data());
+        return result;
+    }
+
+private Q_SLOTS:
+    void initTestCase()
+    {
+        surface_.create();
+        QVERIFY(context_.create() && context_.makeCurrent(&surface_));
+        gl_ = QOpenGLVersionFunctionsFactory::get<Gl>(&context_);
+        QVERIFY(gl_ != nullptr && gl_->initializeOpenGLFunctions());
+    }
+
+    void gpuCppAndDoubleAgree_data()
+    {
+        QTest::addColumn<int>("index");
+        for (int i = 0; i < int(std::size(kTwins)); ++i) QTest::newRow(kTwins[i].name) << i;
+    }
+    void gpuCppAndDoubleAgree()
+    {
+        QFETCH(int, index);
+        const Twin& twin = kTwins[index];
+        const auto a = inputs(twin, unsigned(2 * index + 1)), b = inputs(twin, unsigned(2 * index + 2));
+        const auto gpu = onGpu(twin, a, b);
+        QCOMPARE(gpu.size(), a.size());
+        double worstTwin = 0.0, worstTruth = 0.0;
+        std::size_t at = 0;
+        for (std::size_t i = 0; i < a.size(); ++i) {
+            const vec4 cpp = twin.shared(a[i], b[i]);
+            const double twins = distance(gpu[i], dvec4(cpp)), truth = distance(cpp, twin.wanted(a[i], b[i]));
+            if (!(twins <= worstTwin) || !(truth <= worstTruth)) at = i;
+            worstTwin = twins <= worstTwin ? worstTwin : twins;
+            worstTruth = truth <= worstTruth ? worstTruth : truth;
+        }
+        qInfo("%s: GPU - C++ %.2g, C++ - double %.2g of max(1, value)", twin.name, worstTwin, worstTruth);
+        const bool fine = worstTwin <= twin.tolerance && worstTruth <= twin.tolerance;
+        QVERIFY2(fine, qPrintable(QString("input %1: a = (%2 %3 %4 %5), b = (%6 %7 %8 %9)")
+                                      .arg(at)
+                                      .arg(a[at].x)
+                                      .arg(a[at].y)
+                                      .arg(a[at].z)
+                                      .arg(a[at].w)
+                                      .arg(b[at].x)
+                                      .arg(b[at].y)
+                                      .arg(b[at].z)
+                                      .arg(b[at].w)));
+    }
+
+    void includesComeOnceAndCyclesAreErrors()
+    {
+        const ShaderLibrary library([](const QString& name) -> std::optional<QByteArray> {
+            if (name == "a") return "#version 330 core\n#include \"b\"\n#include \"c\"\nlast\n";
+            if (name == "b") return "#include \"c\"\nin b\n";
+            if (name == "c") return "in c\n";
+            if (name == "loop") return "#include \"pool\"\n";
+            if (name == "pool") return "#include \"loop\"\n";
+            if (name == "hole") return "#include \"nothing\"\n";
+            return std::nullopt;
+        });
+        const Result<QByteArray> text = library.expand("a");
+        QVERIFY(text);
+        QCOMPARE(text->count("in c"), 1);
+        QVERIFY(text->contains("#line 4 0\nlast"));
+        const Result<QByteArray> loop = library.expand("loop"), hole = library.expand("hole");
+        QVERIFY(!loop && QString::fromStdString(loop.error().message).contains("includes itself"));
+        QVERIFY(!hole && QString::fromStdString(hole.error().message).contains("nothing, included by hole"));
+    }
+};
+
+int main(int argc, char** argv)
+{
+    setDefaultGlFormat();
+    QGuiApplication application(argc, argv);
+    ShaderTwinsTest test;
+    return QTest::qExec(&test, argc, argv);
+}
+#include "tst_gui_shader_twins.moc"
