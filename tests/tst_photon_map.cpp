@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+// Claims: the kd-tree finds exactly the photons that brute force finds, whatever the kernel; the area under a kernel is
+// exact; K beyond the count, no photons and all photons on one point are survived.
+#include "core/base/sampling.h"
+#include "core/photonmap/photon_map.h"
+#include "core/photonmap/surface_area.h"
+#include <QtTest>
+#include <algorithm>
+#include <cmath>
+
+using namespace lightloom;
+
+class PhotonMapTest : public QObject {
+    Q_OBJECT
+
+    static std::shared_ptr<const PhotonPaths> randomPaths(std::size_t count)
+    {
+        auto paths = std::make_shared<PhotonPaths>();
+        for (std::size_t i = 0; i < count; ++i) {
+            Rng rng(1, 2, i);
+            const glm::vec3 p(rng.uniform(), rng.uniform() * 0.3f, rng.uniform() * rng.uniform());
+            const float u1 = rng.uniform(), u2 = rng.uniform(), u3 = rng.uniform(), u4 = rng.uniform();
+            paths->photons.push_back({p, sampleSphere(u1, u2), glm::vec3(1.0f), sampleSphere(u3, u4)});
+        }
+        return paths;
+    }
+
+    static std::vector<std::uint32_t> bruteForce(const PhotonMap& map, const GatherQuery& q)
+    {
+        std::vector<std::pair<float, std::uint32_t>> found;
+        for (std::uint32_t i = 0; i < map.size(); ++i) {
+            const Photon& photon = map.photon(i);
+            const glm::vec3 d = photon.position - q.centre;
+            const float along = d.x * q.normal.x + d.y * q.normal.y + d.z * q.normal.z;
+            const float squared = d.x * d.x + d.y * d.y + d.z * d.z + (q.stretch * q.stretch - 1.0f) * along * along;
+            const float cosine =
+                photon.normal.x * q.normal.x + photon.normal.y * q.normal.y + photon.normal.z * q.normal.z;
+            if (squared <= q.radius * q.radius && cosine > q.leastCosine) found.emplace_back(squared, i);
+        }
+        std::ranges::sort(found);
+        if (found.size() > q.count) found.resize(q.count);
+        std::vector<std::uint32_t> numbers;
+        for (const auto& [squared, number] : found) numbers.push_back(number);
+        std::ranges::sort(numbers);
+        return numbers;
+    }
+
+private Q_SLOTS:
+    void findsWhatBruteForceFinds()
+    {
+        for (const std::size_t count : {1u, 15u, 16u, 17u, 100u, 5000u}) {
+            const auto map = PhotonMap::build(randomPaths(count));
+            Gathered gathered;
+            for (std::uint64_t i = 0; i < 200; ++i) {
+                Rng rng(7, 8, i);
+                GatherQuery q;
+                q.centre = {rng.uniform(), rng.uniform() * 0.3f, rng.uniform()};
+                const float u1 = rng.uniform(), u2 = rng.uniform();
+                q.normal = sampleSphere(u1, u2);
+                q.radius = 0.5f * rng.uniform();
+                q.stretch = i % 2 ? 1.0f : 3.0f;
+                q.leastCosine = i % 3 ? 0.5f : -2.0f;
+                q.count = 1 + static_cast<std::uint32_t>(rng.bits() % 300);
+                map->gather(q, gathered);
+                std::vector<std::uint32_t> numbers = gathered.photons;
+                std::ranges::sort(numbers);
+                QVERIFY2(numbers == bruteForce(*map, q),
+                         qPrintable(QString("query %1 of %2 photons").arg(i).arg(count)));
+                QCOMPARE(gathered.isFull, numbers.size() == q.count);
+                QVERIFY(gathered.radius <= q.radius);
+            }
+        }
+    }
+
+    void survivesNothingAndOnePoint()
+    {
+        Gathered gathered;
+        GatherQuery q;
+        const auto none = PhotonMap::build(std::make_shared<PhotonPaths>());
+        none->gather(q, gathered);
+        QVERIFY(gathered.photons.empty() && !gathered.isFull);
+
+        auto heap = std::make_shared<PhotonPaths>();
+        heap->photons.assign(10'000, {glm::vec3(0.5f), glm::vec3(0, 1, 0), glm::vec3(1.0f), glm::vec3(0, 1, 0)});
+        const auto map = PhotonMap::build(heap);
+        q.centre = glm::vec3(0.5f);
+        q.count = 100;
+        map->gather(q, gathered);
+        QCOMPARE(gathered.photons.size(), std::size_t(100));
+        QCOMPARE(gathered.radius, 0.0f);
+        std::ranges::sort(gathered.photons); // ties go by number
+        QCOMPARE(gathered.photons.back(), 99u);
+    }
+
+    void areaInBallIsExact_data()
+    {
+        QTest::addColumn<double>("cx");
+        QTest::addColumn<double>("cy");
+        QTest::addColumn<double>("cz");
+        QTest::addColumn<double>("radius");
+        QTest::newRow("whole triangle inside") << 0.3 << 0.3 << 0.1 << 3.0;
+        QTest::newRow("disc inside") << 0.3 << 0.3 << 0.05 << 0.2;
+        QTest::newRow("one edge") << 0.3 << 0.1 << 0.0 << 0.2;
+        QTest::newRow("a corner") << 0.0 << 0.0 << 0.1 << 0.5;
+        QTest::newRow("centre outside") << -0.2 << 0.5 << 0.1 << 0.6;
+        QTest::newRow("all three edges") << 0.3 << 0.3 << 0.0 << 0.45;
+        QTest::newRow("out of reach") << 0.3 << 0.3 << 1.0 << 0.9;
+    }
+    void areaInBallIsExact()
+    {
+        QFETCH(double, cx);
+        QFETCH(double, cy);
+        QFETCH(double, cz);
+        QFETCH(double, radius);
+        const glm::dvec3 a(0, 0, 0), b(1, 0, 0), c(0, 1, 0), centre(cx, cy, cz);
+        const double area = triangleAreaInBall(a, b, c, centre, radius);
+        QVERIFY(std::abs(area - triangleAreaInBall(a, c, b, centre, radius)) <= 1e-12); // either winding
+        // midpoint rule on 2000 x 2000 cells: error of the border cells below 1e-3
+        constexpr int n = 2000;
+        double sum = 0.0;
+        for (int i = 0; i < n; ++i) {
+            for (int j = 0; j < n; ++j) {
+                const glm::dvec3 p((i + 0.5) / n, (j + 0.5) / n, 0.0);
+                if (p.x + p.y < 1.0 && glm::length(p - centre) <= radius) sum += 1.0 / (double(n) * n);
+            }
+        }
+        QVERIFY2(std::abs(area - sum) <= 1e-3, qPrintable(QString("%1, by cells %2").arg(area).arg(sum)));
+    }
+
+    void areaInBallKnowsTheDisc()
+    {
+        const double area = triangleAreaInBall({-10, -10, 0}, {10, -10, 0}, {0, 15, 0}, {0, 0, 0.3}, 0.5);
+        QVERIFY(std::abs(area - M_PI * (0.25 - 0.09)) <= 1e-12);
+        const double half = triangleAreaInBall({-10, 0, 0}, {10, 0, 0}, {0, 15, 0}, {0, 0, 0}, 0.5);
+        QVERIFY(std::abs(half - M_PI * 0.125) <= 1e-12);
+        QCOMPARE(triangleAreaInBall({0, 0, 0}, {1, 1, 1}, {2, 2, 2}, {0, 0, 0}, 5.0), 0.0); // no area
+    }
+};
+
+QTEST_APPLESS_MAIN(PhotonMapTest)
+#include "tst_photon_map.moc"
