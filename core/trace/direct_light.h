@@ -5,13 +5,24 @@
 
 namespace lightloom {
 
-/// Exact direct illuminance (lux per channel) on a surface at `p` (as given: not moved) with unit normal `n`, all
-/// groups weighted by `mix` (empty: all 1). Punctual lights: one shadow ray. Surfaces: `samples` stratified shadow
-/// rays each. Random numbers come from `rng`. If `squaredError` is given it gets the variance of the result.
+/// What `mix` sets a light group to; groups it does not name are as baked.
+[[nodiscard]] inline glm::vec3 gainOf(const Mix& mix, int group)
+{
+    const auto g = static_cast<std::size_t>(group);
+    return g < mix.size() ? mix[g] : glm::vec3(1.0f);
+}
+
+/// Direct illuminance (lux per channel) on a surface at exactly `p` with unit normal `n`, all groups weighted by `mix`
+/// (empty: all 1). Only shadow rays start a step off `p` along `n`, so `p` may lie on a surface or hang in mid-air.
+/// Punctual lights: one shadow ray, exact. Surfaces: `samples` low-discrepancy shadow rays each, shifted at random by
+/// `rng`. If `squaredError` is given it gets the variance of the result, taken as if the samples were independent,
+/// which they beat.
 [[nodiscard]] glm::vec3 directIlluminance(const RayScene& rays, const LightSampler& lights, const Mix& mix, glm::vec3 p,
                                           glm::vec3 n, int samples, Rng& rng, glm::vec3* squaredError = nullptr);
 
-/// Radiance (cd/m2) of the glossy metallic part of `surface` towards `toEye` from the same lights; diffuse left out.
+/// Radiance (cd/m2) of the glossy metallic part of `surface` towards `toEye` from the same lights; the diffuse part and
+/// mirrors left out (a mirror's ray is the caller's to follow). Half of the effort goes to the lobe, half to the
+/// lights, joined by the balance heuristic: no fireflies from narrow lobes or near lamps.
 [[nodiscard]] glm::vec3 directGlossy(const RayScene& rays, const LightSampler& lights, const Mix& mix,
                                      const Surface& surface, glm::vec3 p, glm::vec3 n, glm::vec3 toEye, int samples,
                                      Rng& rng);

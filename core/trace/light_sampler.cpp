@@ -178,7 +178,10 @@ void LightSampler::State::add(const Emitter& emitter, glm::dvec3 lumen)
 void LightSampler::State::addPunctual(int index)
 {
     const PunctualLight& l = rays->scene().lights[static_cast<std::size_t>(index)];
-    Emitter e{Emitter::Kind::point, l.group, index, -1, {}};
+    Emitter e;
+    e.group = l.group;
+    e.light = index;
+    e.centre = l.position;
     double solidAngle = 4.0 * kPiD;
     Cone cone;
     if (l.kind == PunctualLight::Kind::spot) {
@@ -202,16 +205,32 @@ void LightSampler::State::addSurface(int index)
     Shape shape;
     shape.first = rays->firstTriangle(static_cast<std::uint32_t>(index));
     shape.bothSides = material.doubleSided;
-    double area = 0.0;
-    glm::dvec3 lumen(0.0);
+    double area = 0.0, squares = 0.0;
+    glm::dvec3 lumen(0.0), moment(0.0);
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
         const double a = static_cast<double>(rays->triangleArea(shape.first + t));
         area += a;
         shape.areas.push_back(area);
         lumen += meanEmission(*rays, shape.first + t) * (a * kPiD * (shape.bothSides ? 2.0 : 1.0));
+        const SceneTriangle& place = rays->triangle(shape.first + t);
+        const glm::dvec3 v[3] = {place.a, place.b, place.c};
+        moment += a / 3.0 * (v[0] + v[1] + v[2]);
+        // the mean of |x|^2 over a triangle: its corners and centroid weighted 1 1 1 9
+        squares += a / 12.0 *
+                   (glm::dot(v[0], v[0]) + glm::dot(v[1], v[1]) + glm::dot(v[2], v[2]) +
+                    glm::dot(v[0] + v[1] + v[2], v[0] + v[1] + v[2]));
+    }
+    Emitter e;
+    e.kind = Emitter::Kind::surface;
+    e.group = instance.group;
+    e.instance = index;
+    if (area > 0.0) {
+        const glm::dvec3 centroid = moment / area;
+        e.centre = glm::vec3(centroid);
+        e.spreadSquared = static_cast<float>(std::max(0.0, squares / area - glm::dot(centroid, centroid)));
     }
     emitterOfInstance[static_cast<std::size_t>(index)] = static_cast<int>(emitters.size());
-    add({Emitter::Kind::surface, instance.group, -1, index, {}}, lumen);
+    add(e, lumen);
     shapes.back() = std::move(shape);
 }
 

@@ -12,9 +12,11 @@ struct Emitter {
     enum class Kind { point, spot, directional, surface };
     Kind kind = Kind::point;
     int group = 0;
-    int light = -1;       ///< index into Scene::lights, punctual kinds
-    int instance = -1;    ///< index into Scene::instances, surface kind
-    glm::vec3 flux{0.0f}; ///< lumen per channel (textures averaged)
+    int light = -1;             ///< index into Scene::lights, punctual kinds
+    int instance = -1;          ///< index into Scene::instances, surface kind
+    glm::vec3 flux{0.0f};       ///< lumen per channel (textures averaged)
+    glm::vec3 centre{0.0f};     ///< centroid of its area, or the light's position
+    float spreadSquared = 0.0f; ///< mean squared distance of its area from the centre, m2; 0 for punctual lights
 };
 
 /// What leaves an emitter as a photon.
