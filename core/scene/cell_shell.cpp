@@ -12,7 +12,7 @@ class ShellMaker {
 public:
     explicit ShellMaker(const CellPlan& plan) : plan_(plan), planes_{&plan.xs, &plan.ys, &plan.zs}
     {
-        for (const std::vector<float>* p : planes_) assert(p->size() >= 2);
+        for ([[maybe_unused]] const std::vector<float>* p : planes_) assert(p->size() >= 2);
     }
 
     std::vector<Mesh> make()
