@@ -7,6 +7,7 @@ namespace lightloom {
 
 struct CornellMaterials {
     int white, red, green, lamp;
+    std::uint64_t triangles; ///< of walls and lamp together
 };
 /// Floor, walls, ceiling and the lamp in it.
 CornellMaterials addCornellWalls(SceneBuilder& builder);

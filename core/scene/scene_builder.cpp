@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scene/scene_builder.h"
+#include "core/base/units.h"
 #include <cassert>
 #include <cmath>
 
 namespace lightloom {
+
+glm::vec3 tinted(glm::vec3 colour, float value) { return colour * (value / luminance(colour)); }
 
 int SceneBuilder::addMaterial(Material material)
 {

@@ -4,6 +4,9 @@
 
 namespace lightloom {
 
+/// `colour` scaled so that its luminance is `value`: a warm lamp of so many candela, lux or cd/m2.
+[[nodiscard]] glm::vec3 tinted(glm::vec3 colour, float value);
+
 /// Builds a Scene in memory, piece by piece; `finish` puts groups and bounds in order. Node paths ("Room/Lamp") become
 /// light group ids; `group` (a name for people) joins lamps into one group, "" leaves each lamp its own.
 class SceneBuilder {

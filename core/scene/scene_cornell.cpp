@@ -26,7 +26,7 @@ CornellMaterials addCornellWalls(SceneBuilder& builder)
 {
     const CornellMaterials m{
         builder.addMaterial("white", {0.725f, 0.71f, 0.68f}), builder.addMaterial("red", {0.63f, 0.065f, 0.05f}),
-        builder.addMaterial("green", {0.14f, 0.45f, 0.091f}), builder.addEmitter("lamp", {340.0f, 238.0f, 80.0f})};
+        builder.addMaterial("green", {0.14f, 0.45f, 0.091f}), builder.addEmitter("lamp", {340.0f, 238.0f, 80.0f}), 26};
     const auto addQuad = [&](const char* node, glm::vec3 a, glm::vec3 b, glm::vec3 c, glm::vec3 d, int material) {
         Mesh mesh;
         mesh.positions = {a, b, c, d};

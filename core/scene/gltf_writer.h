@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "core/base/result.h"
+#include "core/scene/scene.h"
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+namespace lightloom {
+
+/// `scene` as a binary glTF 2.0 file. Reading it back gives the same triangles, materials, lamps, groups and cameras.
+/// - Node paths become nodes; instances that share path and matrix are primitives of one mesh. Meshes nobody places
+///   are left out.
+/// - `Scene::origin` goes into the nodes' translations, in double: vertices keep their float precision.
+/// - Lamps: KHR_lights_punctual. Emission: emissiveFactor x KHR_materials_emissive_strength. Textures: PNG inside the
+///   file, KHR_texture_transform. Transmission, ior and volume where set.
+/// - Ours, in `extras.lightloom`: `group` on nodes whose lamps are joined, `exposure` (EV) on the scene.
+/// The same scene gives the same bytes. Errors: more than 4 GiB (glb counts in 32 bits), a PNG that cannot be made.
+[[nodiscard]] Result<std::vector<std::uint8_t>> gltfBytes(const Scene& scene);
+
+/// The same into a file, whole or not at all.
+Result<Done> writeGltf(const Scene& scene, const std::filesystem::path& path);
+
+} // namespace lightloom
