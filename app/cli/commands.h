@@ -19,14 +19,18 @@ enum ExitCode { kDone = 0, kFailed = 1, kUsage = 2, kBadInput = 3, kWouldNotFit 
 
 enum class ProgressStyle { automatic, bar, json, none };
 
+class Reporter; // app/cli/progress.h
+
 /// Options every command takes, and the services they configure.
 struct Context {
     int threads = 0;
     bool quiet = false, json = false;
+    std::optional<std::uint64_t> seed; ///< --seed
     ProgressStyle progress = ProgressStyle::automatic;
     LogSink log;          ///< writes to stderr at the asked level
     std::stop_token stop; ///< SIGINT
     Workers* workers = nullptr;
+    Reporter* report = nullptr; ///< progress; set like `workers` before a command runs
 };
 
 /// Bake options as given, turned into parameters by `bakeParams`.
@@ -39,8 +43,14 @@ struct BakeOptions {
 };
 [[nodiscard]] Result<BakeParams> bakeParams(const BakeOptions& options);
 
-/// Prints `error` as one line on stderr and gives its exit code.
+/// Prints `error` as one line on stderr and gives its exit code: bad, missing or unsupported input 3, not enough memory
+/// 4, cancelled 130, anything else 1.
 int fail(const Error& error);
+/// The same for a file that could not be written: 1, whatever the reason.
+int failWriting(const Error& error);
+
+/// Found out before the work, not after it: the folder of `output` exists and `output` is not a folder itself.
+[[nodiscard]] Result<Done> checkOutput(const std::string& output);
 
 int info(const Context& context, const std::string& scene);
 int makeScene(const Context& context, const std::string& name, std::optional<std::uint64_t> triangles,

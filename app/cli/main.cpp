@@ -1,18 +1,178 @@
 // SPDX-License-Identifier: Apache-2.0
+// The command line: what may be said, in CLI11's words. The work is in the other files of this folder; CLI11 takes
+// seconds to compile, so it stays in this one.
 #include "app/cli/commands.h"
+#include "app/cli/interrupt.h"
+#include "app/cli/progress.h"
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdio>
+#include <functional>
+#include <map>
+#include <variant>
 
 using namespace lightloom;
 
+namespace {
+
+template<std::size_t N>
+std::vector<std::string> texts(const std::array<std::string_view, N>& names)
+{
+    return {names.begin(), names.end()};
+}
+
+constexpr std::array<std::string_view, 4> kProgressNames{"auto", "bar", "json", "none"};
+constexpr std::array<std::string_view, 4> kLevelNames{"debug", "info", "warning", "error"};
+constexpr std::uint64_t kMostWhole = 1ull << 53; ///< the largest number that files keep exactly
+
+/// Place of a checked name in the list that its enum follows.
+template<class Enum, std::size_t N>
+Enum named(const std::array<std::string_view, N>& names, std::string_view name)
+{
+    return static_cast<Enum>(std::ranges::find(names, name) - names.begin());
+}
+
+/// CLI11 reads -1 as a huge unsigned number; here only digits will do.
+std::string wholeNumber(const std::string& text)
+{
+    std::uint64_t value = 0;
+    const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool isFine = code == std::errc{} && end == text.data() + text.size() && value <= kMostWhole;
+    return isFine ? "" : text + " is not a whole number from 0 to " + std::to_string(kMostWhole);
+}
+
+/// Everything a command line can hold.
+struct Spoken {
+    cli::Context context;
+    std::string progress = "auto", level = "info";
+    cli::CompareCommand compare;
+};
+
+class CommandLine {
+public:
+    explicit CommandLine(Spoken& spoken) : spoken_(spoken)
+    {
+        app_.set_version_flag("--version", LIGHTLOOM_VERSION);
+        app_.require_subcommand(0, 1); // none is told apart below, where an unknown one has been named
+        app_.footer("lightloom-cli COMMAND --help tells more. Exit codes: 0 done, 1 failed, 2 usage, 3 bad input, "
+                    "4 would not fit in memory, 130 interrupted.");
+        addGlobals();
+        addParams();
+        addCompare();
+    }
+
+    /// The chosen command, or an exit code when there is nothing to run (help, version, wrong usage).
+    std::variant<std::function<int()>, int> parse(int argc, char** argv)
+    {
+        try {
+            app_.parse(argc, argv);
+        } catch (const CLI::ParseError& e) {
+            if (e.get_exit_code() == 0) return app_.exit(e); // help and version, on stdout
+            cli::logLine(LogLevel::error, std::string(e.what()) + "; see lightloom-cli --help");
+            return cli::kUsage;
+        }
+        if (app_.get_subcommands().empty()) {
+            cli::logLine(LogLevel::error, "no command was given; see lightloom-cli --help");
+            return cli::kUsage;
+        }
+        return commands_.at(app_.get_subcommands().front());
+    }
+
+private:
+    void addGlobals()
+    {
+        cli::Context& context = spoken_.context;
+        app_.add_option("--threads", context.threads, "Threads to work on; 0: one per core")
+            ->check(CLI::Range(0, 1024))
+            ->option_text("N");
+        app_.add_option("--seed", context.seed, "Seed of all random numbers")->check(wholeNumber)->option_text("N");
+        app_.add_flag("--quiet", context.quiet, "No progress, no log but errors");
+        addChoice(app_, "--progress", spoken_.progress, texts(kProgressNames), "How progress is told on stderr");
+        addChoice(app_, "--log-level", spoken_.level, texts(kLevelNames), "Least important line that is logged");
+        app_.add_flag("--json", context.json, "Results for programs, on stdout");
+    }
+
+    static void addChoice(CLI::App& to, const std::string& name, std::string& value,
+                          const std::vector<std::string>& choices, const std::string& help)
+    {
+        std::string all;
+        for (const std::string& choice : choices) all += (all.empty() ? "" : "|") + choice;
+        to.add_option(name, value, help)->option_text(all)->check([choices, all](const std::string& text) {
+            return std::ranges::find(choices, text) == choices.end() ? text + " is none of " + all : std::string();
+        });
+    }
+
+    CLI::App* addCommand(const std::string& name, const std::string& help, std::function<int()> run)
+    {
+        CLI::App* command = app_.add_subcommand(name, help);
+        command->fallthrough(); // the options above are taken on both sides of the command
+        commands_[command] = std::move(run);
+        return command;
+    }
+
+    void addParams()
+    {
+        addCommand("params", "List every bake parameter: name, default, range, meaning",
+                   [this] { return cli::params(spoken_.context); });
+    }
+
+    void addCompare()
+    {
+        cli::CompareCommand& c = spoken_.compare;
+        CLI::App* command = addCommand("compare", "Errors of A against the reference B: two tables or two pictures",
+                                       [this] { return cli::compare(spoken_.context, spoken_.compare); });
+        command->add_option("A", c.a, "RESULT.csv, .exr or .png")->required();
+        command->add_option("B", c.b, "The reference, of the same kind")->required();
+        addChoice(*command, "--metric", c.metric, {"relrmse", "bias", "mae", "p95", "max", "perpoint", "flip"},
+                  "Print this figure alone, as a fraction");
+        command->add_option("--heatmap", c.heatmap, "Where to write the error in false colour (.png)");
+    }
+
+    Spoken& spoken_;
+    CLI::App app_{"Lightloom: indirect light, baked, measured and exported without a window", "lightloom-cli"};
+    std::map<const CLI::App*, std::function<int()>> commands_;
+};
+
+/// A result that did not reach its reader is no result.
+int flushed(int code)
+{
+    if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return code;
+    cli::logLine(LogLevel::error, "cannot write to standard output");
+    return code == cli::kDone ? cli::kFailed : code;
+}
+
+int run(int argc, char** argv)
+{
+    Spoken spoken;
+    CommandLine commandLine(spoken);
+    const auto parsed = commandLine.parse(argc, argv);
+    if (const int* code = std::get_if<int>(&parsed)) return flushed(*code);
+
+    cli::Context& context = spoken.context;
+    context.progress = named<cli::ProgressStyle>(kProgressNames, spoken.progress);
+    cli::Reporter reporter({context.progress, named<LogLevel>(kLevelNames, spoken.level), context.quiet});
+    const cli::Interrupt interrupt;
+    Workers workers(context.threads);
+    context.report = &reporter;
+    context.log = [&](LogLevel level, const std::string& line) { reporter.log(level, line); };
+    context.stop = interrupt.token();
+    context.workers = &workers;
+    return flushed(std::get<std::function<int()>>(parsed)());
+}
+
+} // namespace
+
 int main(int argc, char** argv)
 {
-    CLI::App app("Lightloom: indirect light, baked, measured and exported without a window");
-    cli::Context context;
-    app.add_flag("--json", context.json, "Machine-readable output");
-    app.require_subcommand(1);
-    CLI::App* params = app.add_subcommand("params", "List every bake parameter");
-    params->fallthrough();
-    CLI11_PARSE(app, argc, argv);
-    if (params->parsed()) return cli::params(context);
-    return cli::kUsage;
+    try {
+        return run(argc, argv);
+    } catch (const std::bad_alloc&) {
+        cli::logLine(LogLevel::error, "there is not enough memory; lower photons, octree.depth or the picture's size");
+        return cli::kWouldNotFit;
+    } catch (const std::exception& e) {
+        cli::logLine(LogLevel::error, std::string("unexpected: ") + e.what());
+        return cli::kFailed;
+    }
 }

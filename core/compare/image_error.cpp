@@ -9,15 +9,6 @@
 namespace lightloom {
 namespace {
 
-Result<Done> checkFinite(std::span<const double> values, const char* whose)
-{
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        if (std::isfinite(values[i])) continue;
-        return Error{Error::Kind::badInput, fmt::format("value {} of the {} is not a finite number", i + 1, whose)};
-    }
-    return Done{};
-}
-
 double meanOf(std::span<const double> values)
 {
     double sum = 0;
@@ -26,6 +17,15 @@ double meanOf(std::span<const double> values)
 }
 
 } // namespace
+
+Result<Done> checkFinite(std::span<const double> values, std::string_view whose)
+{
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (std::isfinite(values[i])) continue;
+        return Error{Error::Kind::badInput, fmt::format("value {} of the {} is not a finite number", i + 1, whose)};
+    }
+    return Done{};
+}
 
 Result<ErrorMetrics> measureError(std::span<const double> values, std::span<const double> reference)
 {

@@ -4,6 +4,7 @@
 #include "core/base/result.h"
 #include <cstdint>
 #include <span>
+#include <string_view>
 #include <vector>
 
 /// How far a result is off a reference. Values are luminances (of the indirect part, unless the caller says otherwise);
@@ -25,6 +26,9 @@ struct ErrorMetrics {
 /// Errors: lengths differ, nothing to compare, a value that is not finite (named by its number), a negative or black
 /// reference. Two black results are equal: all figures 0.
 [[nodiscard]] Result<ErrorMetrics> measureError(std::span<const double> values, std::span<const double> reference);
+
+/// An Error that names the first value that is not finite: "value 7 of the reference is not a finite number".
+[[nodiscard]] Result<Done> checkFinite(std::span<const double> values, std::string_view whose);
 
 [[nodiscard]] std::vector<double> luminances(std::span<const glm::vec3> colours);
 
