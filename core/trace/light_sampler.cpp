@@ -11,6 +11,8 @@ namespace {
 constexpr double kPiD = std::numbers::pi;
 /// Share of a group's photons dealt out evenly over its emitters, the rest by flux: the floor for dim lamps.
 constexpr double kEvenShare = 0.1;
+/// Texture lookups spent on the mean of one emitter: about .1 s.
+constexpr double kMostLookups = 4e6;
 /// Below this cosine a patch counts as seen edge-on: nothing comes from it and no density stays finite.
 constexpr float kLeastCosine = 1e-6f;
 
@@ -105,22 +107,23 @@ double texelsOn(const RayScene& rays, std::uint32_t triangle)
     return std::isfinite(texels) ? texels : 0.0;
 }
 
-/// Mean emission of a triangle: on a grid about twice as fine as the texels it covers, within reason. Photons look
-/// up their own point, so what this misses shifts only who is picked how often, never the light.
-glm::dvec3 meanEmission(const RayScene& rays, std::uint32_t triangle)
+/// Mean emission of a triangle: at the centroids of the n^2 like triangles it falls into, some four to a texel's width,
+/// at most `most` lookups. Photons look up their own point, so what this misses shifts only who is picked how often.
+glm::dvec3 meanEmission(const RayScene& rays, std::uint32_t triangle, double most)
 {
     const double texels = texelsOn(rays, triangle);
     if (texels == 0.0) return glm::dvec3(emissionAt(rays, triangle, glm::vec2(1.0f / 3.0f)));
-    const int n = glm::clamp(static_cast<int>(std::ceil(2.0 * std::sqrt(std::min(texels, 1e6)))), 4, 256);
+    const int n = static_cast<int>(std::ceil(std::sqrt(glm::clamp(32.0 * texels, 4.0, most))));
+    const float step = 1.0f / static_cast<float>(n);
     glm::dvec3 sum(0.0);
     for (int i = 0; i < n; ++i) {
-        for (int j = 0; j < n; ++j) {
-            const float u1 = (static_cast<float>(i) + 0.5f) / static_cast<float>(n);
-            const float u2 = (static_cast<float>(j) + 0.5f) / static_cast<float>(n);
-            sum += glm::dvec3(emissionAt(rays, triangle, sampleTriangle(u1, u2)));
+        for (int j = 0; i + j < n; ++j) {
+            const glm::vec2 cell(static_cast<float>(i), static_cast<float>(j));
+            sum += glm::dvec3(emissionAt(rays, triangle, (cell + 1.0f / 3.0f) * step));
+            if (i + j + 1 < n) sum += glm::dvec3(emissionAt(rays, triangle, (cell + 2.0f / 3.0f) * step));
         }
     }
-    return sum / static_cast<double>(n * n);
+    return sum / (static_cast<double>(n) * n);
 }
 
 double luminous(glm::dvec3 c)
@@ -207,11 +210,12 @@ void LightSampler::State::addSurface(int index)
     shape.bothSides = material.doubleSided;
     double area = 0.0, squares = 0.0;
     glm::dvec3 lumen(0.0), moment(0.0);
+    const double lookups = glm::clamp(kMostLookups / static_cast<double>(mesh.triangles.size() + 1), 4.0, 262'144.0);
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
         const double a = static_cast<double>(rays->triangleArea(shape.first + t));
         area += a;
         shape.areas.push_back(area);
-        lumen += meanEmission(*rays, shape.first + t) * (a * kPiD * (shape.bothSides ? 2.0 : 1.0));
+        lumen += meanEmission(*rays, shape.first + t, lookups) * (a * kPiD * (shape.bothSides ? 2.0 : 1.0));
         const SceneTriangle& place = rays->triangle(shape.first + t);
         const glm::dvec3 v[3] = {place.a, place.b, place.c};
         moment += a / 3.0 * (v[0] + v[1] + v[2]);
