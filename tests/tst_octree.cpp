@@ -89,8 +89,8 @@ private Q_SLOTS:
         const LightSampler lights(rays);
         Workers workers(2);
         const auto reach = LightReach::find(*rays, lights, workers, {});
-        const SurfaceArea area(*rays, *reach);
-        const auto octree = buildOctree(*rays, *reach, depth, static_cast<float>(shift), workers, {});
+        const SurfaceArea area(*reach);
+        const auto octree = buildOctree(rays->scene().bounds, *reach, depth, static_cast<float>(shift), workers, {});
         double sum = 0.0;
         for (std::size_t i = 0; i < octree->cells.size(); ++i) {
             const glm::vec3 low = octree->lowest + glm::vec3(mortonCell(octree->cells[i])) * octree->cellSize();
@@ -245,9 +245,9 @@ private Q_SLOTS:
         std::shared_ptr<const IndirectField> field;
         BakeControl control(workers, {[&](Snapshot s) { field = s.field; }, {}});
         QVERIFY(static_cast<bool>(PhotonMapSolver().bake({scene, BakeParams{}, {}}, products, control)));
-        const auto points =
-            samplePoints(*products.find<RayScene>(sceneProducts({scene, {}, {}}, products, control)->key),
-                         *sceneProducts({scene, {}, {}}, products, control)->reach, 1000, 1);
+        const auto points = samplePoints(*sceneProducts({scene, {}, {}}, products, control)->rays,
+                                         *sceneProducts({scene, {}, {}}, products, control)->lights,
+                                         *sceneProducts({scene, {}, {}}, products, control)->reach, 1000, 1);
         double sum = 0.0;
         for (const SurfacePoint& p : points) sum += static_cast<double>(field->irradiance(p.position, p.normal).x);
         const double mean = sum / 1000.0, truth = 1000.0 * 0.5 / (96.0 * 0.5);

@@ -14,13 +14,14 @@ struct Gathering {
 
 class LeafBuilder {
 public:
-    LeafBuilder(const RayScene& rays, glm::vec3 lowest, OctreeGeometry& out) : rays_(rays), lowest_(lowest), out_(out)
+    LeafBuilder(const std::vector<ReachedFacet>& facets, glm::vec3 lowest, OctreeGeometry& out)
+        : facets_(facets), lowest_(lowest), out_(out)
     {
     }
 
     void add(const CellPiece& piece)
     {
-        const glm::vec3 n = rays_.triangleNormal(piece.side / 2) * (piece.side % 2 ? -1.0f : 1.0f);
+        const glm::vec3 n = facets_[piece.facet].normal;
         Gathering& to = bestFor(n);
         const double area = static_cast<double>(piece.area);
         to.normal += area * glm::dvec3(n);
@@ -57,7 +58,7 @@ private:
         return open_.emplace_back();
     }
 
-    const RayScene& rays_;
+    const std::vector<ReachedFacet>& facets_;
     glm::vec3 lowest_;
     OctreeGeometry& out_;
     std::vector<Gathering> open_;
@@ -65,18 +66,18 @@ private:
 
 } // namespace
 
-std::shared_ptr<const OctreeGeometry> buildOctree(const RayScene& rays, const LightReach& reach, int depth, float shift,
+std::shared_ptr<const OctreeGeometry> buildOctree(const Bounds& bounds, const LightReach& reach, int depth, float shift,
                                                   Workers& workers, const std::stop_token& stop)
 {
-    const CellLattice lattice = latticeOver(rays.scene().bounds, depth, shift);
-    const CellPieces clipped = clipToCells(rays, reach, lattice, workers, stop);
+    const CellLattice lattice = latticeOver(bounds, depth, shift);
+    const CellPieces clipped = clipToCells(reach.facets(), lattice, workers, stop);
     if (!clipped.complete) return nullptr;
     auto geometry = std::make_shared<OctreeGeometry>();
     geometry->depth = depth;
     geometry->lowest = lattice.lowest;
     geometry->rootSize = lattice.rootSize;
 
-    LeafBuilder builder(rays, lattice.lowest, *geometry);
+    LeafBuilder builder(reach.facets(), lattice.lowest, *geometry);
     const std::vector<CellPiece>& pieces = clipped.pieces;
     for (std::size_t i = 0; i < pieces.size(); ++i) {
         builder.add(pieces[i]);

@@ -2,12 +2,13 @@
 #pragma once
 #include "core/octree/light_octree.h"
 #include "core/trace/cell_clip.h"
+#include "core/trace/light_reach.h"
 
 namespace lightloom {
 
 /// Leaves of depth `depth` with one entry per orientation of the surface inside each (pieces within 53 degrees of an
 /// entry's mean normal join it). Entries of a leaf are ordered by area, largest first. Null: stopped.
-[[nodiscard]] std::shared_ptr<const OctreeGeometry> buildOctree(const RayScene& rays, const LightReach& reach,
+[[nodiscard]] std::shared_ptr<const OctreeGeometry> buildOctree(const Bounds& bounds, const LightReach& reach,
                                                                 int depth, float shift, Workers& workers,
                                                                 const std::stop_token& stop);
 

@@ -101,8 +101,8 @@ private:
         auto geometry = products_.find<OctreeGeometry>(key);
         if (geometry) return geometry;
         const StageClock clock(products_.counters, fmt::format("octree d{}", d));
-        geometry = buildOctree(*photons_.scene.rays, *photons_.scene.reach, d, job_.params.gridShift,
-                               control_.workers(), control_.stop());
+        geometry = buildOctree(job_.scene->bounds, *photons_.scene.reach, d, job_.params.gridShift, control_.workers(),
+                               control_.stop());
         if (geometry) products_.keep(key, geometry);
         return geometry;
     }

@@ -102,7 +102,7 @@ Result<PhotonProducts> photonProducts(const BakeJob& job, BakeProducts& products
     result.scene = std::move(*scene);
     result.area = products.find<SurfaceArea>(result.scene.key);
     if (!result.area) {
-        result.area = std::make_shared<SurfaceArea>(*result.scene.rays, *result.scene.reach);
+        result.area = std::make_shared<SurfaceArea>(*result.scene.reach);
         products.keep(result.scene.key, result.area);
     }
 

@@ -57,15 +57,8 @@ double triangleAreaInBall(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, glm::dvec3 c
     return std::clamp(area, 0.0, 0.5 * twice);
 }
 
-SurfaceArea::SurfaceArea(const RayScene& rays, const LightReach& reach)
+SurfaceArea::SurfaceArea(const LightReach& reach) : facets_(reach.facets()), total_(reach.area())
 {
-    for (std::uint32_t t = 0; t < rays.triangleCount(); ++t) {
-        const SceneTriangle& triangle = rays.triangle(t);
-        const Facet facet{triangle.a, triangle.b, triangle.c, rays.triangleNormal(t), reach.front(t), reach.back(t)};
-        if ((!facet.front && !facet.back) || facet.normal == glm::vec3(0.0f)) continue;
-        facets_.push_back(facet);
-        total_ += static_cast<double>(rays.triangleArea(t)) * ((facet.front ? 1 : 0) + (facet.back ? 1 : 0));
-    }
     if (!facets_.empty()) build(0, static_cast<std::uint32_t>(facets_.size()));
 }
 
@@ -74,7 +67,7 @@ std::uint32_t SurfaceArea::build(std::uint32_t first, std::uint32_t last)
     constexpr std::uint32_t kLeaf = 4;
     glm::vec3 low(std::numeric_limits<float>::max()), high(-low), lowCentre(low), highCentre(high);
     for (std::uint32_t i = first; i < last; ++i) {
-        const Facet& f = facets_[i];
+        const ReachedFacet& f = facets_[i];
         low = glm::min(low, glm::min(f.a, glm::min(f.b, f.c)));
         high = glm::max(high, glm::max(f.a, glm::max(f.b, f.c)));
         const glm::vec3 centre = (f.a + f.b + f.c) / 3.0f;
@@ -89,7 +82,7 @@ std::uint32_t SurfaceArea::build(std::uint32_t first, std::uint32_t last)
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
     const std::uint32_t middle = first + (last - first) / 2;
     std::nth_element(facets_.begin() + first, facets_.begin() + middle, facets_.begin() + last,
-                     [axis](const Facet& a, const Facet& b) {
+                     [axis](const ReachedFacet& a, const ReachedFacet& b) {
                          return a.a[axis] + a.b[axis] + a.c[axis] < b.a[axis] + b.b[axis] + b.c[axis];
                      });
     build(first, middle);
@@ -119,10 +112,8 @@ double SurfaceArea::under(glm::vec3 centre, glm::vec3 normal, float radius, floa
             continue;
         }
         for (std::uint32_t i = box.first; i < box.first + box.count; ++i) {
-            const Facet& f = facets_[i];
-            const float cosine = glm::dot(f.normal, normal);
-            const bool counts = (f.front && cosine > leastCosine) || (f.back && -cosine > leastCosine);
-            if (!counts) continue;
+            const ReachedFacet& f = facets_[i];
+            if (!(glm::dot(f.normal, normal) > leastCosine)) continue;
             if (stretch == 1.0f) {
                 sum += triangleAreaInBall(f.a, f.b, f.c, centre, radius);
                 continue;

@@ -11,7 +11,7 @@ namespace lightloom {
 /// estimation divides by this: pi r^2 is wrong by half at every edge (METHODS section 2). Any thread may ask.
 class SurfaceArea {
 public:
-    SurfaceArea(const RayScene& rays, const LightReach& reach);
+    explicit SurfaceArea(const LightReach& reach);
 
     /// Area (m2) of the reached sides within `radius` of `centre` (distances along `normal` stretched by `stretch`, as
     /// in GatherQuery) whose normal's cosine with `normal` is above `leastCosine`. O(log n + triangles in the kernel).
@@ -21,17 +21,13 @@ public:
     [[nodiscard]] double total() const { return total_; } ///< of all reached sides, m2
 
 private:
-    struct Facet { // a triangle and which of its sides light reaches
-        glm::vec3 a, b, c, normal;
-        bool front, back;
-    };
     struct Box {
         glm::vec3 low, high;
         std::uint32_t first, count; // facets; count 0: inner node, `first` is the right child, the left one follows
     };
     std::uint32_t build(std::uint32_t first, std::uint32_t last);
 
-    std::vector<Facet> facets_;
+    std::vector<ReachedFacet> facets_; // in the tree's order
     std::vector<Box> boxes_;
     double total_ = 0.0;
 };

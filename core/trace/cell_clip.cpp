@@ -73,19 +73,18 @@ void split(const Polygon& polygon, int axis, double at, Polygon& below, Polygon&
 
 class Clipper {
 public:
-    Clipper(const CellLattice& lattice, std::vector<CellPiece>& out) : lattice_(lattice), out_(out) {}
+    Clipper(const CellLattice& lattice, const std::function<void(const CellPolygon&)>& visit)
+        : lattice_(lattice), visit_(visit), lowest_(lattice.lowest), size_(static_cast<double>(lattice.rootSize))
+    {
+    }
 
-    void add(const SceneTriangle& t, std::uint32_t triangle, bool front, bool back)
+    void add(glm::vec3 a, glm::vec3 b, glm::vec3 c)
     {
         Polygon polygon;
-        const double size = static_cast<double>(lattice_.rootSize);
-        for (const glm::vec3 p : {t.a, t.b, t.c}) {
+        for (const glm::vec3 p : {a, b, c}) {
             // rounding may put a point a hair outside: the border cell takes it
-            polygon.add(glm::clamp((glm::dvec3(p) - glm::dvec3(lattice_.lowest)) / size, 0.0, 1.0));
+            polygon.add(glm::clamp((glm::dvec3(p) - lowest_) / size_, 0.0, 1.0));
         }
-        triangle_ = triangle;
-        front_ = front;
-        back_ = back;
         descend(polygon, glm::uvec3(0), 0);
     }
 
@@ -111,23 +110,26 @@ private:
         }
     }
 
-    void emit(const Polygon& polygon, glm::uvec3 cell)
+    void emit(Polygon polygon, glm::uvec3 cell)
     {
-        const double size = static_cast<double>(lattice_.rootSize);
-        double area = 0.0;
-        const glm::dvec3 centre = polygon.centroid(area);
-        if (!(area > 0.0)) return;
-        CellPiece piece{mortonCode(cell), 2 * triangle_, static_cast<float>(area * size * size),
-                        glm::vec3(glm::dvec3(lattice_.lowest) + centre * size)};
-        if (front_) out_.push_back(piece);
-        piece.side += 1;
-        if (back_) out_.push_back(piece);
+        CellPolygon part;
+        const glm::dvec3 centre = polygon.centroid(part.area);
+        if (!(part.area > 0.0)) return;
+        for (int i = 0; i < polygon.count; ++i) {
+            glm::dvec3& p = polygon.points[static_cast<std::size_t>(i)];
+            p = lowest_ + p * size_;
+        }
+        part.cell = cell;
+        part.corners = std::span(polygon.points).first(static_cast<std::size_t>(polygon.count));
+        part.area *= size_ * size_;
+        part.centroid = lowest_ + centre * size_;
+        visit_(part);
     }
 
     const CellLattice& lattice_;
-    std::vector<CellPiece>& out_;
-    std::uint32_t triangle_ = 0;
-    bool front_ = false, back_ = false;
+    const std::function<void(const CellPolygon&)>& visit_;
+    glm::dvec3 lowest_;
+    double size_;
 };
 
 } // namespace
@@ -149,25 +151,32 @@ CellLattice latticeOver(const Bounds& bounds, int depth, float shift)
     return lattice;
 }
 
-CellPieces clipToCells(const RayScene& rays, const LightReach& reach, const CellLattice& lattice, Workers& workers,
+void clipTriangle(glm::vec3 a, glm::vec3 b, glm::vec3 c, const CellLattice& lattice,
+                  const std::function<void(const CellPolygon&)>& visit)
+{
+    Clipper(lattice, visit).add(a, b, c);
+}
+
+CellPieces clipToCells(const std::vector<ReachedFacet>& facets, const CellLattice& lattice, Workers& workers,
                        const std::stop_token& stop)
 {
-    constexpr std::uint32_t kBlock = 512;
-    const std::size_t blocks = (rays.triangleCount() + kBlock - 1) / kBlock;
+    constexpr std::size_t kBlock = 256;
+    const std::size_t blocks = (facets.size() + kBlock - 1) / kBlock;
     std::vector<std::vector<CellPiece>> parts(blocks);
     CellPieces result;
     result.complete = workers.run(blocks, stop, [&](std::size_t block) {
-        Clipper clipper(lattice, parts[block]);
-        const auto first = static_cast<std::uint32_t>(block) * kBlock;
-        for (std::uint32_t t = first; t < std::min(rays.triangleCount(), first + kBlock); ++t) {
-            if (reach.front(t) || reach.back(t)) clipper.add(rays.triangle(t), t, reach.front(t), reach.back(t));
+        for (std::size_t f = block * kBlock; f < std::min(facets.size(), (block + 1) * kBlock); ++f) {
             if (stop.stop_requested()) return;
+            clipTriangle(facets[f].a, facets[f].b, facets[f].c, lattice, [&](const CellPolygon& part) {
+                parts[block].push_back({mortonCode(part.cell), static_cast<std::uint32_t>(f),
+                                        static_cast<float>(part.area), glm::vec3(part.centroid)});
+            });
         }
     }) && !stop.stop_requested();
     if (!result.complete) return result;
     for (const auto& part : parts) result.pieces.insert(result.pieces.end(), part.begin(), part.end());
     std::ranges::sort(result.pieces, [](const CellPiece& a, const CellPiece& b) {
-        return std::tie(a.cell, a.side) < std::tie(b.cell, b.side);
+        return std::tie(a.cell, a.facet) < std::tie(b.cell, b.facet);
     });
     return result;
 }

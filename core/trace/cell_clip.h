@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "core/base/parallel.h"
-#include "core/trace/light_reach.h"
+#include "core/scene/scene.h"
+#include "core/trace/reached_facet.h"
+#include <functional>
+#include <span>
 
 namespace lightloom {
 
@@ -18,22 +21,31 @@ struct CellLattice {
 /// covers.
 [[nodiscard]] CellLattice latticeOver(const Bounds& bounds, int depth, float shift);
 
-/// The part of one side of a triangle inside one cell.
-struct CellPiece {
-    std::uint64_t cell; ///< Morton code
-    std::uint32_t side; ///< 2 * triangle, + 1 for its back
-    float area;         ///< m2
-    glm::vec3 centroid; ///< scene space
+/// The part of a triangle inside one cell: a convex polygon of 3 to 9 corners, scene space.
+struct CellPolygon {
+    glm::uvec3 cell;
+    std::span<const glm::dvec3> corners;
+    double area = 0.0; ///< m2, positive
+    glm::dvec3 centroid{0.0};
 };
+/// Clips a triangle against the lattice (exact, Sutherland-Hodgman, by halving cells) and visits each part in a fixed
+/// order. Areas add up to the triangle's. A point on a cell border belongs to the upper cell.
+void clipTriangle(glm::vec3 a, glm::vec3 b, glm::vec3 c, const CellLattice& lattice,
+                  const std::function<void(const CellPolygon&)>& visit);
 
-/// Clips every triangle side that light reaches against the lattice (exact polygon clipping, Sutherland-Hodgman, by
-/// halving cells). Sorted by (cell, side). Areas of the pieces of a side add up to the side's area. A point on a cell
-/// border belongs to the upper cell. Empty and false in `complete`: stopped.
+/// The part of one reached facet inside one cell.
+struct CellPiece {
+    std::uint64_t cell;  ///< Morton code
+    std::uint32_t facet; ///< index into LightReach::facets
+    float area;          ///< m2
+    glm::vec3 centroid;  ///< scene space
+};
+/// All reached facets against the lattice, sorted by (cell, facet). Empty, and `complete` false: stopped.
 struct CellPieces {
     std::vector<CellPiece> pieces;
     bool complete = false;
 };
-[[nodiscard]] CellPieces clipToCells(const RayScene& rays, const LightReach& reach, const CellLattice& lattice,
+[[nodiscard]] CellPieces clipToCells(const std::vector<ReachedFacet>& facets, const CellLattice& lattice,
                                      Workers& workers, const std::stop_token& stop);
 
 /// Interleaves the low 21 bits of each coordinate: x lowest.

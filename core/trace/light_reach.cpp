@@ -1,233 +1,167 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/trace/light_reach.h"
 #include "core/base/sampling.h"
+#include "core/trace/side_elements.h"
 #include <algorithm>
-#include <atomic>
-#include <bit>
+#include <functional>
 #include <limits>
-#include <numeric>
-#include <tuple>
 
 namespace lightloom {
 namespace {
 
-/// Sides (2 * triangle for the front, + 1 for the back) joined into surfaces.
-class Surfaces {
-public:
-    explicit Surfaces(std::uint32_t sides) : parent_(sides) { std::iota(parent_.begin(), parent_.end(), 0u); }
+constexpr std::uint32_t kWalks = 32'768, kWalksPerBlock = 512, kBounces = 8; ///< walks in all, shared by the lamps
+constexpr std::uint32_t kLooks = 48;                                         ///< lines of sight that an element tries
+constexpr float kFar = std::numeric_limits<float>::infinity();
 
-    std::uint32_t of(std::uint32_t side)
-    {
-        while (parent_[side] != side) side = parent_[side] = parent_[parent_[side]];
-        return side;
-    }
-    void join(std::uint32_t a, std::uint32_t b)
-    {
-        a = of(a), b = of(b);
-        parent_[std::max(a, b)] = std::min(a, b); // the smallest side names the surface, whatever the order of joins
-    }
-
-private:
-    std::vector<std::uint32_t> parent_;
+/// A point that light certainly reaches, moved off its surface.
+struct OpenPoint {
+    glm::vec3 p, n;
+    std::uint32_t element;
 };
 
-struct Edge {
-    std::uint32_t low, high; // welded vertices
-    std::uint32_t triangle;
-    bool rises; // the triangle's front walks it from low to high
-    bool operator<(const Edge& o) const
-    {
-        return std::tie(low, high, triangle, rises) < std::tie(o.low, o.high, o.triangle, o.rises);
-    }
-};
-
-/// Number of each triangle corner among the distinct positions of the scene.
-std::vector<std::uint32_t> weld(const RayScene& rays)
-{
-    struct Corner {
-        glm::uvec3 bits;
-        std::uint32_t number;
-    };
-    std::vector<Corner> corners;
-    corners.reserve(std::size_t(3) * rays.triangleCount());
-    const auto bitsOf = [](float v) { return std::bit_cast<std::uint32_t>(v == 0.0f ? 0.0f : v); }; // -0 is 0
-    for (std::uint32_t t = 0; t < rays.triangleCount(); ++t) {
-        const SceneTriangle& triangle = rays.triangle(t);
-        for (const glm::vec3 p : {triangle.a, triangle.b, triangle.c}) {
-            corners.push_back({{bitsOf(p.x), bitsOf(p.y), bitsOf(p.z)}, static_cast<std::uint32_t>(corners.size())});
-        }
-    }
-    const auto key = [](const Corner& c) { return std::tie(c.bits.x, c.bits.y, c.bits.z); };
-    std::ranges::sort(corners, [&](const Corner& a, const Corner& b) { return key(a) < key(b); });
-    std::vector<std::uint32_t> welded(corners.size());
-    std::uint32_t vertex = 0;
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-        if (i > 0 && key(corners[i]) != key(corners[i - 1])) ++vertex;
-        welded[corners[i].number] = vertex;
-    }
-    return welded;
-}
-
-std::vector<Edge> listEdges(const RayScene& rays)
-{
-    const std::vector<std::uint32_t> vertex = weld(rays);
-    std::vector<Edge> edges;
-    edges.reserve(vertex.size());
-    for (std::uint32_t t = 0; t < rays.triangleCount(); ++t) {
-        const bool mirrored = rays.scene().instances[rays.triangle(t).instance].isMirrored();
-        for (std::uint32_t i = 0; i < 3; ++i) {
-            const std::uint32_t a = vertex[3 * t + i], b = vertex[3 * t + (i + 1) % 3];
-            if (a != b) edges.push_back({std::min(a, b), std::max(a, b), t, (a < b) != mirrored});
-        }
-    }
-    std::sort(edges.begin(), edges.end());
-    return edges;
-}
-
-/// Joins the sides of triangles that share an edge. Where three or more meet (a partition on a floor) nothing is
-/// joined.
-Surfaces joinSides(const RayScene& rays)
-{
-    Surfaces surfaces(2 * rays.triangleCount());
-    const std::vector<Edge> edges = listEdges(rays);
-    for (std::size_t i = 0; i < edges.size();) {
-        std::size_t end = i + 1;
-        while (end < edges.size() && edges[end].low == edges[i].low && edges[end].high == edges[i].high) ++end;
-        if (end - i == 2) {
-            const Edge &a = edges[i], &b = edges[i + 1];
-            const std::uint32_t flip =
-                a.rises == b.rises ? 1 : 0; // wound alike: one's front continues as the other's back
-            surfaces.join(2 * a.triangle, 2 * b.triangle + flip);
-            surfaces.join(2 * a.triangle + 1, 2 * b.triangle + (1 - flip));
-        }
-        i = end;
-    }
-    return surfaces;
-}
-
-constexpr std::uint32_t kExplorers = 2048, kExplorerBounces = 8;
-constexpr std::uint32_t kEnoughHits = 3; ///< a single ray can leak through a vertex; three do not
-
+/// Finds the elements that light reaches. Only points pass light on, never elements: an element that is half under a
+/// block is reached, but what lies under the block sees none of its open points.
 class Explorer {
 public:
-    Explorer(const RayScene& rays, const LightSampler& lights, Surfaces& surfaces)
-        : rays_(rays), lights_(lights), surface_(2 * rays.triangleCount()), hits_(2 * rays.triangleCount())
+    Explorer(const RayScene& rays, const LightSampler& lights, const SideElements& elements)
+        : rays_(rays), lights_(lights), elements_(elements), reached_(elements.count(), 0)
     {
-        for (std::uint32_t s = 0; s < surface_.size(); ++s) surface_[s] = surfaces.of(s);
-        for (std::uint32_t s = 0; s < surface_.size(); ++s) sidesOf_.emplace_back(surface_[s], s);
-        std::ranges::sort(sidesOf_);
     }
 
     /// Random walks from every lamp that lose nothing at the walls.
     bool walkFromLamps(Workers& workers, const std::stop_token& stop)
     {
         const std::size_t groups = rays_.scene().groups.size();
-        constexpr std::uint32_t perBlock = 256;
-        return workers.run(groups * (kExplorers / perBlock), stop, [&](std::size_t block) {
-            const int group = static_cast<int>(block / (kExplorers / perBlock));
-            const std::uint64_t first = (block % (kExplorers / perBlock)) * perBlock;
-            for (std::uint64_t i = first; i < first + perBlock; ++i) walk(group, i);
+        const std::size_t each = std::max<std::size_t>(1, kWalks / kWalksPerBlock / groups);
+        return collect(groups * each, workers, stop, [&](std::size_t block, std::vector<OpenPoint>& found) {
+            const std::uint64_t first = (block % each) * kWalksPerBlock;
+            for (std::uint64_t i = first; i < first + kWalksPerBlock; ++i)
+                walk(static_cast<int>(block / each), i, found);
         });
     }
 
-    /// Surfaces not reached yet look around; those that see reached ones are reached. Repeats until nothing changes.
+    /// Elements not reached yet look for open points, What they find gives new open points; repeats until
+    /// nothing changes.
     bool lookAround(Workers& workers, const std::stop_token& stop)
     {
-        collect();
-        for (int round = 0; round < 32; ++round) {
-            const std::vector<std::size_t> open = openSurfaces();
-            if (open.empty()) return true;
-            std::vector<std::uint8_t> sees(open.size(), 0);
-            const std::size_t each = std::clamp<std::size_t>((1u << 20) / open.size(), 16, 256);
-            const bool all = workers.run(open.size(), stop, [&](std::size_t i) {
-                sees[i] = seesReached(open[i], each, static_cast<std::uint64_t>(round)) ? 1 : 0;
-            });
-            if (!all) return false;
-            bool changed = false;
-            for (std::size_t i = 0; i < open.size(); ++i) {
-                if (!sees[i]) continue;
-                reached_[sidesOf_[open[i]].first] = 1;
-                changed = true;
+        for (std::uint64_t round = 0; round < 32; ++round) {
+            std::vector<std::uint32_t> unreached;
+            for (std::uint32_t e = 0; e < reached_.size(); ++e) {
+                if (!reached_[e]) unreached.push_back(e);
             }
-            if (!changed) return true;
+            const std::size_t before = open_.size();
+            if (unreached.empty() || before == 0) return true;
+            constexpr std::size_t kBlock = 64;
+            const bool all = collect((unreached.size() + kBlock - 1) / kBlock, workers, stop,
+                                     [&](std::size_t block, std::vector<OpenPoint>& found) {
+                                         const std::size_t end = std::min(unreached.size(), (block + 1) * kBlock);
+                                         for (std::size_t i = block * kBlock; i < end; ++i)
+                                             look(unreached[i], round, found);
+                                     });
+            if (!all) return false;
+            if (open_.size() == before) return true;
         }
         return true;
     }
 
-    [[nodiscard]] std::vector<std::uint8_t> result() const
-    {
-        std::vector<std::uint8_t> sides(surface_.size());
-        for (std::size_t s = 0; s < sides.size(); ++s) sides[s] = reached_[surface_[s]];
-        return sides;
-    }
+    [[nodiscard]] bool isReached(std::uint32_t element) const { return reached_[element] != 0; }
 
 private:
-    void walk(int group, std::uint64_t number)
+    /// Runs blocks that find open points and adds these in the order of the blocks.
+    bool collect(std::size_t blocks, Workers& workers, const std::stop_token& stop,
+                 const std::function<void(std::size_t, std::vector<OpenPoint>&)>& body)
+    {
+        std::vector<std::vector<OpenPoint>> found(blocks);
+        if (!workers.run(blocks, stop, [&](std::size_t block) { body(block, found[block]); })) return false;
+        for (const std::vector<OpenPoint>& some : found) {
+            for (const OpenPoint& point : some) reached_[point.element] = 1;
+            open_.insert(open_.end(), some.begin(), some.end());
+        }
+        return true;
+    }
+
+    void walk(int group, std::uint64_t number, std::vector<OpenPoint>& found) const
     {
         Rng rng(0, rays_.scene().groups[static_cast<std::size_t>(group)].key() ^ hashName("light reach"), number);
         EmittedPhoton photon;
         if (!lights_.emit(group, rng, photon)) return;
         glm::vec3 origin = photon.position, travel = photon.travel;
-        for (std::uint32_t bounce = 0; bounce < kExplorerBounces; ++bounce) {
+        for (std::uint32_t bounce = 0; bounce < kBounces; ++bounce) {
             Hit hit;
-            if (!rays_.intersect(origin, travel, std::numeric_limits<float>::infinity(), hit)) return;
-            hits_[surface_[sideOf(hit)]].fetch_add(1, std::memory_order_relaxed);
+            if (!rays_.intersect(origin, travel, kFar, hit)) return;
+            origin = rays_.leave(hit.position, hit.facing());
+            found.push_back({origin, hit.facing(), elements_.of(hit)});
             const float u1 = rng.uniform(), u2 = rng.uniform();
             travel = Frame(hit.facing()).toWorld(sampleCosineHemisphere(u1, u2));
-            origin = rays_.leave(hit.position, hit.facing());
         }
     }
 
-    static std::uint32_t sideOf(const Hit& hit) { return 2 * hit.triangle + (hit.isFront ? 0 : 1); }
-
-    void collect()
+    void look(std::uint32_t element, std::uint64_t round, std::vector<OpenPoint>& found) const
     {
-        reached_.assign(surface_.size(), 0);
-        for (std::size_t s = 0; s < surface_.size(); ++s) reached_[s] = hits_[s] >= kEnoughHits ? 1 : 0;
-    }
-
-    /// Where in `sidesOf_` the unreached surfaces begin.
-    [[nodiscard]] std::vector<std::size_t> openSurfaces() const
-    {
-        std::vector<std::size_t> open;
-        for (std::size_t i = 0; i < sidesOf_.size(); ++i) {
-            const bool begins = i == 0 || sidesOf_[i].first != sidesOf_[i - 1].first;
-            if (begins && !reached_[sidesOf_[i].first]) open.push_back(i);
+        for (std::uint64_t i = 0; i < kLooks; ++i) {
+            Rng rng(round, hashName("look around"), (std::uint64_t(element) << 8) + i);
+            OpenPoint here{glm::vec3(0.0f), glm::vec3(0.0f), element};
+            if (!elements_.sample(element, rng, here.p, here.n)) continue;
+            here.p = rays_.leave(here.p, here.n);
+            const OpenPoint& other = open_[rng.bits() % open_.size()];
+            const glm::vec3 line = other.p - here.p;
+            const bool facing = glm::dot(line, here.n) > 0.0f && glm::dot(line, other.n) < 0.0f;
+            if (!facing || rays_.isBlocked(here.p, other.p)) continue;
+            found.push_back(here);
+            return;
         }
-        return open;
-    }
-
-    [[nodiscard]] bool seesReached(std::size_t begin, std::size_t count, std::uint64_t round) const
-    {
-        std::size_t end = begin;
-        while (end < sidesOf_.size() && sidesOf_[end].first == sidesOf_[begin].first) ++end;
-        std::uint32_t seen = 0;
-        for (std::size_t i = 0; i < count && seen < kEnoughHits; ++i) {
-            Rng rng(round, hashName("light reach"), (std::uint64_t(begin) << 20) + i);
-            const std::uint32_t side = sidesOf_[begin + rng.bits() % (end - begin)].second;
-            const SceneTriangle& t = rays_.triangle(side / 2);
-            const glm::vec3 normal = rays_.triangleNormal(side / 2) * (side % 2 ? -1.0f : 1.0f);
-            if (normal == glm::vec3(0.0f)) continue;
-            const float u1 = rng.uniform(), u2 = rng.uniform();
-            const glm::vec2 b = sampleTriangle(u1, u2);
-            const glm::vec3 p = t.a * (1.0f - b.x - b.y) + t.b * b.x + t.c * b.y;
-            const float v1 = rng.uniform(), v2 = rng.uniform();
-            const glm::vec3 travel = Frame(normal).toWorld(sampleCosineHemisphere(v1, v2));
-            Hit hit;
-            if (rays_.intersect(rays_.leave(p, normal), travel, std::numeric_limits<float>::infinity(), hit) &&
-                reached_[surface_[sideOf(hit)]]) {
-                ++seen;
-            }
-        }
-        return seen >= kEnoughHits;
     }
 
     const RayScene& rays_;
     const LightSampler& lights_;
-    std::vector<std::uint32_t> surface_;                           // of each side
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> sidesOf_; // (surface, side), sorted
-    std::vector<std::atomic<std::uint32_t>> hits_;
-    std::vector<std::uint8_t> reached_; // of each surface
+    const SideElements& elements_;
+    std::vector<std::uint8_t> reached_;
+    std::vector<OpenPoint> open_;
+};
+
+double areaOf(const ReachedFacet& f)
+{
+    return 0.5 * glm::length(glm::cross(glm::dvec3(f.b) - glm::dvec3(f.a), glm::dvec3(f.c) - glm::dvec3(f.a)));
+}
+
+/// Whether a point is in the open: it sees a lamp, or reached surface twice (a single ray can leak through a vertex).
+class OpenTest {
+public:
+    OpenTest(const RayScene& rays, const LightSampler& lights, const LightReach& reach)
+        : rays_(rays), lights_(lights), reachedSides_(2 * std::size_t(rays.triangleCount()), 0)
+    {
+        for (const ReachedFacet& f : reach.facets()) reachedSides_[f.side] = 1;
+    }
+
+    [[nodiscard]] bool isOpen(glm::vec3 p, glm::vec3 n, Rng rng) const
+    {
+        const glm::vec3 origin = rays_.leave(p, n);
+        if (rays_.scene().groups.empty() || seesLamp(origin, n, rng)) return true;
+        std::uint32_t seen = 0;
+        for (int i = 0; i < 64 && seen < 2; ++i) {
+            const float u1 = rng.uniform(), u2 = rng.uniform();
+            Hit hit;
+            if (!rays_.intersect(origin, Frame(n).toWorld(sampleCosineHemisphere(u1, u2)), kFar, hit)) continue;
+            seen += reachedSides_[2 * hit.triangle + (hit.isFront ? 0 : 1)];
+        }
+        return seen >= 2;
+    }
+
+private:
+    [[nodiscard]] bool seesLamp(glm::vec3 origin, glm::vec3 n, Rng& rng) const
+    {
+        for (int e = 0; e < static_cast<int>(lights_.emitters().size()); ++e) {
+            const float u1 = rng.uniform(), u2 = rng.uniform();
+            LightSample light;
+            if (!lights_.sample(e, origin, {u1, u2}, light) || !(glm::dot(light.toLight, n) > 0.0f)) continue;
+            if (!rays_.isBlocked(origin, light.end)) return true;
+        }
+        return false;
+    }
+
+    const RayScene& rays_;
+    const LightSampler& lights_;
+    std::vector<std::uint8_t> reachedSides_;
 };
 
 } // namespace
@@ -236,44 +170,41 @@ std::shared_ptr<const LightReach> LightReach::find(const RayScene& rays, const L
                                                    const std::stop_token& stop)
 {
     auto reach = std::make_shared<LightReach>();
+    const SideElements elements(rays);
     if (rays.scene().groups.empty()) {
-        reach->sides_.assign(std::size_t(2) * rays.triangleCount(), 1);
-        return reach;
+        reach->facets_ = elements.facets([](std::uint32_t) { return true; });
+    } else {
+        Explorer explorer(rays, lights, elements);
+        if (!explorer.walkFromLamps(workers, stop) || !explorer.lookAround(workers, stop)) return nullptr;
+        reach->facets_ = elements.facets([&](std::uint32_t e) { return explorer.isReached(e); });
     }
-    Surfaces surfaces = joinSides(rays);
-    Explorer explorer(rays, lights, surfaces);
-    if (!explorer.walkFromLamps(workers, stop) || !explorer.lookAround(workers, stop)) return nullptr;
-    reach->sides_ = explorer.result();
+    for (const ReachedFacet& f : reach->facets_) reach->area_ += areaOf(f);
     return reach;
 }
 
-std::vector<SurfacePoint> samplePoints(const RayScene& rays, const LightReach& reach, std::uint64_t count,
-                                       std::uint64_t seed)
+std::vector<SurfacePoint> samplePoints(const RayScene& rays, const LightSampler& lights, const LightReach& reach,
+                                       std::uint64_t count, std::uint64_t seed)
 {
-    std::vector<double> sums; // running area over the sides that count
-    std::vector<std::uint32_t> sides;
+    std::vector<double> sums; // running area
     double total = 0.0;
-    for (std::uint32_t side = 0; side < 2 * rays.triangleCount(); ++side) {
-        const std::uint32_t t = side / 2;
-        const bool counts = side % 2 ? reach.back(t) : reach.front(t);
-        const double area = counts ? static_cast<double>(rays.triangleArea(t)) : 0.0;
-        if (!(area > 0.0)) continue;
-        total += area;
-        sums.push_back(total);
-        sides.push_back(side);
-    }
+    for (const ReachedFacet& f : reach.facets()) sums.push_back(total += areaOf(f));
     std::vector<SurfacePoint> points;
-    if (sides.empty()) return points;
+    if (!(total > 0.0)) return points;
     points.reserve(count);
+    const OpenTest open(rays, lights, reach);
     for (std::uint64_t i = 0; i < count; ++i) {
         Rng rng(seed, hashName("probe points"), i);
-        const auto at = std::ranges::upper_bound(sums, rng.uniformDouble() * total) - sums.begin();
-        const std::uint32_t side = sides[std::min<std::size_t>(static_cast<std::size_t>(at), sides.size() - 1)];
-        const SceneTriangle& t = rays.triangle(side / 2);
-        const float u1 = rng.uniform(), u2 = rng.uniform();
-        const glm::vec2 b = sampleTriangle(u1, u2);
-        points.push_back({t.a * (1.0f - b.x - b.y) + t.b * b.x + t.c * b.y,
-                          rays.triangleNormal(side / 2) * (side % 2 ? -1.0f : 1.0f), side / 2});
+        for (int attempt = 0; attempt < 256; ++attempt) {
+            const auto at =
+                static_cast<std::size_t>(std::ranges::upper_bound(sums, rng.uniformDouble() * total) - sums.begin());
+            const ReachedFacet& f = reach.facets()[std::min(at, sums.size() - 1)];
+            const float u1 = rng.uniform(), u2 = rng.uniform();
+            const glm::vec2 b = sampleTriangle(u1, u2);
+            const glm::vec3 p = f.a * (1.0f - b.x - b.y) + f.b * b.x + f.c * b.y;
+            if (!open.isOpen(p, f.normal, rng)) continue;
+            points.push_back({p, f.normal, f.side / 2});
+            break;
+        }
     }
     return points;
 }

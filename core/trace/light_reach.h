@@ -2,31 +2,35 @@
 #pragma once
 #include "core/base/parallel.h"
 #include "core/trace/light_sampler.h"
+#include "core/trace/reached_facet.h"
 
 namespace lightloom {
 
-/// Which sides of which triangles light can reach at all: the inside of a thick wall, the outside of a closed room and
-/// the underside of a floor cannot. Sides joined by a shared edge form one surface; a surface counts as reached when a
-/// lamp sees it, or when rays that leave it meet surfaces that are reached. Depends on the scene alone, not on which
-/// lamps are on. A scene without lamps counts every side as reached.
+/// The surface that light can reach at all. The inside of a thick wall, the outside of a closed room and the floor
+/// under a block cannot be reached; counting them would halve densities beside them and put probes into the dark.
+/// Judged element by element (SideElements): reached is what a random walk from a lamp meets, and what sees something
+/// reached. Depends on the scene alone, not on which lamps are on. Without lamps everything counts as reached.
 class LightReach {
 public:
     static std::shared_ptr<const LightReach> find(const RayScene& rays, const LightSampler& lights, Workers& workers,
                                                   const std::stop_token& stop); ///< null: stopped
-    [[nodiscard]] bool front(std::uint32_t triangle) const { return sides_[2 * triangle] != 0; }
-    [[nodiscard]] bool back(std::uint32_t triangle) const { return sides_[2 * triangle + 1] != 0; }
+
+    [[nodiscard]] const std::vector<ReachedFacet>& facets() const { return facets_; }
+    [[nodiscard]] double area() const { return area_; } ///< m2, of all facets
 
 private:
-    std::vector<std::uint8_t> sides_; // front and back of each triangle
+    std::vector<ReachedFacet> facets_; // rising sides
+    double area_ = 0.0;
 };
 
-/// A point on a reached side, for probes.
+/// A point on reached surface, for probes.
 struct SurfacePoint {
     glm::vec3 position, normal; ///< normal of the side, unit
     std::uint32_t triangle;
 };
-/// `count` points, uniform by area over the reached sides; number i depends on (seed, i) only.
-[[nodiscard]] std::vector<SurfacePoint> samplePoints(const RayScene& rays, const LightReach& reach, std::uint64_t count,
-                                                     std::uint64_t seed);
+/// `count` points, uniform by area over the reached facets; number i depends on (seed, i) only. Points of facets that
+/// are half hidden are kept only where they see a lamp or something: none lies in a closed void of the scene.
+[[nodiscard]] std::vector<SurfacePoint> samplePoints(const RayScene& rays, const LightSampler& lights,
+                                                     const LightReach& reach, std::uint64_t count, std::uint64_t seed);
 
 } // namespace lightloom

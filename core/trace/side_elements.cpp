@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/trace/side_elements.h"
+#include "core/base/sampling.h"
+#include <algorithm>
+#include <bit>
+#include <numeric>
+#include <tuple>
+
+namespace lightloom {
+namespace {
+
+constexpr int kLatticeDepth = 6;
+constexpr float kLargeCells = 2.0f; ///< a triangle this many cells long is cut
+
+/// Sides (2 * triangle for the front, + 1 for the back) joined into surfaces.
+class Surfaces {
+public:
+    explicit Surfaces(std::uint32_t sides) : parent_(sides) { std::iota(parent_.begin(), parent_.end(), 0u); }
+
+    std::uint32_t of(std::uint32_t side)
+    {
+        while (parent_[side] != side) side = parent_[side] = parent_[parent_[side]];
+        return side;
+    }
+    void join(std::uint32_t a, std::uint32_t b)
+    {
+        a = of(a), b = of(b);
+        parent_[std::max(a, b)] = std::min(a, b); // the smallest side names the surface, whatever the order of joins
+    }
+
+private:
+    std::vector<std::uint32_t> parent_;
+};
+
+struct Edge {
+    std::uint32_t low, high; // welded vertices
+    std::uint32_t triangle;
+    bool rises; // the triangle's front walks it from low to high
+    bool operator<(const Edge& o) const
+    {
+        return std::tie(low, high, triangle, rises) < std::tie(o.low, o.high, o.triangle, o.rises);
+    }
+};
+
+/// Number of each triangle corner among the distinct positions of the scene.
+std::vector<std::uint32_t> weld(const RayScene& rays)
+{
+    struct Corner {
+        glm::uvec3 bits;
+        std::uint32_t number;
+    };
+    std::vector<Corner> corners;
+    corners.reserve(std::size_t(3) * rays.triangleCount());
+    const auto bitsOf = [](float v) { return std::bit_cast<std::uint32_t>(v == 0.0f ? 0.0f : v); }; // -0 is 0
+    for (std::uint32_t t = 0; t < rays.triangleCount(); ++t) {
+        const SceneTriangle& triangle = rays.triangle(t);
+        for (const glm::vec3 p : {triangle.a, triangle.b, triangle.c}) {
+            corners.push_back({{bitsOf(p.x), bitsOf(p.y), bitsOf(p.z)}, static_cast<std::uint32_t>(corners.size())});
+        }
+    }
+    const auto key = [](const Corner& c) { return std::tie(c.bits.x, c.bits.y, c.bits.z); };
+    std::ranges::sort(corners, [&](const Corner& a, const Corner& b) { return key(a) < key(b); });
+    std::vector<std::uint32_t> welded(corners.size());
+    std::uint32_t vertex = 0;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        if (i > 0 && key(corners[i]) != key(corners[i - 1])) ++vertex;
+        welded[corners[i].number] = vertex;
+    }
+    return welded;
+}
+
+std::vector<Edge> listEdges(const RayScene& rays)
+{
+    const std::vector<std::uint32_t> vertex = weld(rays);
+    std::vector<Edge> edges;
+    edges.reserve(vertex.size());
+    for (std::uint32_t t = 0; t < rays.triangleCount(); ++t) {
+        const bool mirrored = rays.scene().instances[rays.triangle(t).instance].isMirrored();
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            const std::uint32_t a = vertex[3 * t + i], b = vertex[3 * t + (i + 1) % 3];
+            if (a != b) edges.push_back({std::min(a, b), std::max(a, b), t, (a < b) != mirrored});
+        }
+    }
+    std::sort(edges.begin(), edges.end());
+    return edges;
+}
+
+/// Joins the sides of triangles that share an edge. Where three or more meet (a partition on a floor) nothing is
+/// joined.
+Surfaces joinSides(const RayScene& rays)
+{
+    Surfaces surfaces(2 * rays.triangleCount());
+    const std::vector<Edge> edges = listEdges(rays);
+    for (std::size_t i = 0; i < edges.size();) {
+        std::size_t end = i + 1;
+        while (end < edges.size() && edges[end].low == edges[i].low && edges[end].high == edges[i].high) ++end;
+        if (end - i == 2) {
+            const Edge &a = edges[i], &b = edges[i + 1];
+            const std::uint32_t flip =
+                a.rises == b.rises ? 1 : 0; // wound alike: one's front continues as the other's back
+            surfaces.join(2 * a.triangle, 2 * b.triangle + flip);
+            surfaces.join(2 * a.triangle + 1, 2 * b.triangle + (1 - flip));
+        }
+        i = end;
+    }
+    return surfaces;
+}
+
+} // namespace
+
+SideElements::SideElements(const RayScene& rays)
+    : rays_(rays), lattice_(latticeOver(rays.scene().bounds, kLatticeDepth, 0.0f)), sides_(2 * rays.triangleCount())
+{
+    Surfaces surfaces = joinSides(rays);
+    std::vector<std::uint32_t> elementOf(sides_.size(), 0xFFFFFFFFu); // of each surface
+    for (std::uint32_t t = 0; t < rays.triangleCount(); ++t) {
+        if (isLarge(rays.triangle(t))) {
+            cut(t);
+            continue;
+        }
+        for (const std::uint32_t side : {2 * t, 2 * t + 1}) {
+            std::uint32_t& element = elementOf[surfaces.of(side)];
+            if (element == 0xFFFFFFFFu) {
+                element = count_++;
+                members_.emplace_back();
+                isPart_.push_back(0);
+            }
+            sides_[side] = {element, 0};
+            members_[element].push_back(side);
+        }
+    }
+}
+
+bool SideElements::isLarge(const SceneTriangle& t) const
+{
+    const glm::vec3 size = glm::max(t.a, glm::max(t.b, t.c)) - glm::min(t.a, glm::min(t.b, t.c));
+    return glm::max(size.x, glm::max(size.y, size.z)) > kLargeCells * lattice_.cellSize();
+}
+
+void SideElements::cut(std::uint32_t triangle)
+{
+    const SceneTriangle& t = rays_.triangle(triangle);
+    const auto firstPart = static_cast<std::uint32_t>(parts_.size());
+    clipTriangle(t.a, t.b, t.c, lattice_, [&](const CellPolygon& polygon) {
+        const auto firstCorner = static_cast<std::uint32_t>(corners_.size());
+        for (const glm::dvec3& p : polygon.corners) corners_.emplace_back(p);
+        parts_.push_back(
+            {mortonCode(polygon.cell), 0, firstCorner, static_cast<std::uint32_t>(polygon.corners.size())});
+    });
+    std::sort(parts_.begin() + firstPart, parts_.end(), [](const Part& a, const Part& b) { return a.cell < b.cell; });
+    const auto parts = static_cast<std::uint32_t>(parts_.size()) - firstPart;
+    if (parts == 0) { // longer than a cell, but without area
+        for (const std::uint32_t side : {2 * triangle, 2 * triangle + 1}) {
+            sides_[side] = {count_++, 0};
+            members_.push_back({side});
+            isPart_.push_back(0);
+        }
+        return;
+    }
+    // the back's parts are copies of the front's with elements of their own
+    for (std::uint32_t i = 0; i < parts; ++i) parts_.push_back(parts_[firstPart + i]);
+    sides_[2 * triangle] = {firstPart, parts};
+    sides_[2 * triangle + 1] = {firstPart + parts, parts};
+    for (std::uint32_t i = firstPart; i < firstPart + 2 * parts; ++i) {
+        parts_[i].element = count_++;
+        members_.push_back({i, i < firstPart + parts ? 2 * triangle : 2 * triangle + 1});
+        isPart_.push_back(1);
+    }
+}
+
+std::uint32_t SideElements::of(const Hit& hit) const
+{
+    const Range range = sides_[2 * hit.triangle + (hit.isFront ? 0 : 1)];
+    if (range.count == 0) return range.first;
+    const float cell = lattice_.cellSize();
+    const glm::vec3 at = glm::clamp((hit.position - lattice_.lowest) / cell, 0.0f,
+                                    static_cast<float>((1u << lattice_.depth) - 1u) + 0.5f);
+    const auto first = parts_.begin() + range.first, last = first + range.count;
+    const std::uint64_t code = mortonCode(glm::uvec3(at));
+    auto found = std::lower_bound(first, last, code, [](const Part& part, std::uint64_t c) { return part.cell < c; });
+    if (found == last) --found; // rounding put the hit over a border: any neighbour will do
+    return found->element;
+}
+
+bool SideElements::sample(std::uint32_t element, Rng& rng, glm::vec3& p, glm::vec3& n) const
+{
+    const std::vector<std::uint32_t>& members = members_[element];
+    std::uint32_t side = 0;
+    glm::vec3 a, b, c;
+    if (isPart_[element]) {
+        const Part& part = parts_[members[0]];
+        const auto fan = static_cast<std::uint32_t>(1 + rng.bits() % (part.corners - 2));
+        a = corners_[part.firstCorner], b = corners_[part.firstCorner + fan], c = corners_[part.firstCorner + fan + 1];
+        side = members[1];
+    } else {
+        side = members[rng.bits() % members.size()];
+        const SceneTriangle& t = rays_.triangle(side / 2);
+        a = t.a, b = t.b, c = t.c;
+    }
+    const float u1 = rng.uniform(), u2 = rng.uniform();
+    const glm::vec2 w = sampleTriangle(u1, u2);
+    p = a * (1.0f - w.x - w.y) + b * w.x + c * w.y;
+    n = rays_.triangleNormal(side / 2) * (side % 2 ? -1.0f : 1.0f);
+    return n != glm::vec3(0.0f);
+}
+
+std::vector<ReachedFacet> SideElements::facets(const std::function<bool(std::uint32_t)>& isReached) const
+{
+    std::vector<ReachedFacet> facets;
+    for (std::uint32_t side = 0; side < sides_.size(); ++side) {
+        const SceneTriangle& t = rays_.triangle(side / 2);
+        const glm::vec3 n = rays_.triangleNormal(side / 2) * (side % 2 ? -1.0f : 1.0f);
+        if (n == glm::vec3(0.0f)) continue;
+        const Range range = sides_[side];
+        if (range.count == 0) {
+            if (isReached(range.first)) facets.push_back({t.a, t.b, t.c, n, side});
+            continue;
+        }
+        const auto part = parts_.begin() + range.first;
+        const auto reached = [&](const Part& x) { return isReached(x.element); };
+        if (std::all_of(part, part + range.count, reached)) {
+            facets.push_back({t.a, t.b, t.c, n, side});
+            continue;
+        }
+        for (auto x = part; x != part + range.count; ++x) {
+            if (!reached(*x)) continue;
+            for (std::uint32_t i = 1; i + 1 < x->corners; ++i) {
+                const glm::vec3* corner = corners_.data() + x->firstCorner;
+                facets.push_back({corner[0], corner[i], corner[i + 1], n, side});
+            }
+        }
+    }
+    return facets;
+}
+
+} // namespace lightloom

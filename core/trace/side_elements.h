@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "core/base/rng.h"
+#include "core/trace/cell_clip.h"
+#include "core/trace/ray_scene.h"
+#include <functional>
+
+namespace lightloom {
+
+/// The sides of a scene's triangles as elements that light reaches or not as a whole: large triangles fall into their
+/// cells of a lattice, small ones that share an edge belong together as far as their surface goes.
+class SideElements {
+public:
+    explicit SideElements(const RayScene& rays);
+
+    [[nodiscard]] std::uint32_t count() const { return count_; }
+    [[nodiscard]] std::uint32_t of(const Hit& hit) const;
+    /// A point on the element and the normal of its side. False: the element has no area.
+    [[nodiscard]] bool sample(std::uint32_t element, Rng& rng, glm::vec3& p, glm::vec3& n) const;
+    /// Facets of the elements for which `isReached`, in rising order of sides; large triangles that are reached as a
+    /// whole stay whole.
+    [[nodiscard]] std::vector<ReachedFacet> facets(const std::function<bool(std::uint32_t)>& isReached) const;
+
+private:
+    struct Part { // of a large triangle's side
+        std::uint64_t cell;
+        std::uint32_t element;
+        std::uint32_t firstCorner, corners;
+    };
+    struct Range {
+        std::uint32_t first = 0, count = 0; // parts; count 0: a small triangle, `first` is its element
+    };
+    [[nodiscard]] bool isLarge(const SceneTriangle& t) const;
+    void cut(std::uint32_t triangle);
+
+    const RayScene& rays_;
+    CellLattice lattice_;
+    std::uint32_t count_ = 0;
+    std::vector<Range> sides_;
+    std::vector<Part> parts_;                         // of one side together, sorted by cell
+    std::vector<glm::vec3> corners_;                  // of the parts' polygons
+    std::vector<std::vector<std::uint32_t>> members_; // per element: a part's index, or sides of small triangles
+    std::vector<std::uint8_t> isPart_;                // per element: which of the two
+};
+
+} // namespace lightloom
