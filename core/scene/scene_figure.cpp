@@ -51,7 +51,7 @@ glm::vec3 displaced(glm::dvec3 d)
     p = {c * p.x + s * p.z, p.y, c * p.z - s * p.x};
     const double foot = -1.35;
     if (p.y < foot) p.y = foot + 0.01 * (p.y - foot);
-    const glm::dvec3 inBox = glm::dvec3(0.278, -0.001, 0.275) + 0.125 * (p - glm::dvec3(0.0, foot, 0.0));
+    const glm::dvec3 inBox = glm::dvec3(0.278, -0.001, 0.275) + 0.11 * (p - glm::dvec3(0.0, foot, 0.0));
     return glm::vec3(glm::round(inBox * 0x1p20) * 0x1p-20); // steps of a micrometre: libraries' last digits vanish
 }
 
