@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "core/base/rng.h"
+#include "core/base/low_discrepancy.h"
 #include "core/base/sampling.h"
 #include "core/base/statistics.h"
 #include "core/trace/light_sampler.h"
@@ -86,11 +86,12 @@ inline double boxSideSolidAngle(glm::dvec3 p, glm::dvec3 low, glm::dvec3 high, i
     return sum;
 }
 
-/// Points uniform by area on the front of the instances whose node begins with `nodes`, on the surface.
+/// Points on the front of the instances whose node begins with `nodes`, on the surface: each uniform by area, together
+/// spread evenly (a shifted Hammersley set; `number` picks the shift).
 struct FacePoint {
     glm::vec3 position, normal;
 };
-inline std::vector<FacePoint> facePoints(const Scene& scene, int count, std::uint64_t seed,
+inline std::vector<FacePoint> facePoints(const Scene& scene, int count, std::uint64_t number,
                                          const std::string& nodes = {})
 {
     const std::vector<PlacedTriangle> all = triangles(scene, nodes);
@@ -98,12 +99,15 @@ inline std::vector<FacePoint> facePoints(const Scene& scene, int count, std::uin
     double sum = 0.0;
     for (const PlacedTriangle& t : all) sums.push_back(sum += glm::length(t.areaVector()));
     std::vector<FacePoint> points;
-    Rng rng(seed, hashName("face points"), 0);
+    Rng rng(1, hashName("face points"), number);
+    const ShiftedPoints even(count, rng);
     for (int i = 0; i < count; ++i) {
-        const auto at = std::upper_bound(sums.begin(), sums.end(), rng.uniformDouble() * sum) - sums.begin();
-        const PlacedTriangle& t = all[std::min(static_cast<std::size_t>(at), all.size() - 1)];
-        const float u1 = rng.uniform(), u2 = rng.uniform();
-        const glm::vec2 b = sampleTriangle(u1, u2);
+        const double at = double(even[i].x) * sum;
+        const auto found = std::upper_bound(sums.begin(), sums.end(), at) - sums.begin();
+        const std::size_t k = std::min(static_cast<std::size_t>(found), all.size() - 1);
+        const double low = k > 0 ? sums[k - 1] : 0.0, within = glm::clamp((at - low) / (sums[k] - low), 0.0, 0.999999);
+        const PlacedTriangle& t = all[k];
+        const glm::vec2 b = sampleTriangle(float(within), even[i].y);
         const glm::vec3 p = t.corner[0] * (1.0f - b.x - b.y) + t.corner[1] * b.x + t.corner[2] * b.y;
         points.push_back({p, glm::vec3(glm::normalize(t.areaVector()))});
     }
