@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "core/base/hash.h"
+#include "core/base/result.h"
+#include "core/field/indirect_field.h"
+#include "core/params/bake_params.h"
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace lightloom {
+
+class LightOctree;
+
+/// What a bake file says about itself.
+struct BakeInfo {
+    Method method = Method::lightOctree;
+    BakeParams params;
+    std::string isa;                 ///< that Embree used
+    Sha256::Digest sceneHash{};      ///< of the scene it was baked for
+    std::vector<std::string> groups; ///< ids of all light groups, in the scene's order
+    std::vector<std::string> off;    ///< ids of those that were off: they have no layer
+    std::string program;             ///< version that wrote it
+};
+
+struct BakeFile {
+    BakeInfo info;
+    std::shared_ptr<const LightOctree> octree;
+};
+
+/// Bytes of a bake file: one OpenVDB stream, sealed (vdb_seal.h). Grids, all in the file's frame:
+///   light-octree/d<depth>/geometry/{normal,centroid,area}/<entry>      one per orientation of a leaf
+///   light-octree/d<depth>/<group>/scalar/<entry>                       lux on the entry's own surface
+///   light-octree/d<depth>/<group>/{colour,direction}/<entry>/<slot>    the VDLs
+/// "/" in group ids is written %2F. The same bake gives the same bytes; nothing in it depends on time or host.
+[[nodiscard]] Result<std::vector<std::uint8_t>> bakeBytes(const LightOctree& octree, const BakeInfo& info,
+                                                          const Scene& scene);
+Result<Done> writeBake(const std::filesystem::path& path, const LightOctree& octree, const BakeInfo& info,
+                       const Scene& scene);
+
+/// Reads a bake for `scene`. Refused with one clear line: damaged or truncated files, newer formats, other scenes.
+[[nodiscard]] Result<BakeFile> readBake(const std::filesystem::path& path, const Scene& scene);
+[[nodiscard]] Result<BakeFile> bakeFromBytes(std::span<const std::uint8_t> file, const Scene& scene);
+
+inline constexpr int kBakeFormat = 1; ///< rises when older programs could misread a file
+
+} // namespace lightloom
