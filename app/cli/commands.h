@@ -75,6 +75,7 @@ struct RenderCommand {
     std::string scene, method, bakeFile, camera, output;
     int width = 800, height = 600;
     std::optional<int> samplesPerPixel;
+    std::optional<float> ev; ///< exposure of a .png; else the scene's, else one that suits the picture
     BakeOptions options;
 };
 int render(const Context& context, const RenderCommand& command);

@@ -11,6 +11,8 @@
 #include <cstdio>
 #include <functional>
 #include <map>
+#include <optional>
+#include <tuple>
 #include <variant>
 
 using namespace lightloom;
@@ -43,10 +45,30 @@ std::string wholeNumber(const std::string& text)
     return isFine ? "" : text + " is not a whole number from 0 to " + std::to_string(kMostWhole);
 }
 
+/// Width and height of "640x480", within what image files may hold.
+std::optional<std::pair<int, int>> sizeOf(const std::string& text)
+{
+    int width = 0, height = 0;
+    const char* end = text.data() + text.size();
+    const auto first = std::from_chars(text.data(), end, width);
+    if (first.ec != std::errc{} || first.ptr == end || *first.ptr != 'x') return {};
+    const auto second = std::from_chars(first.ptr + 1, end, height);
+    if (second.ec != std::errc{} || second.ptr != end) return {};
+    const bool fits = width >= 1 && height >= 1 && width <= 16384 && height <= 16384;
+    if (!fits || std::int64_t{width} * height > 64'000'000) return {};
+    return std::pair(width, height);
+}
+
 /// Everything a command line can hold.
 struct Spoken {
     cli::Context context;
     std::string progress = "auto", level = "info";
+    cli::BakeOptions bakeOptions; ///< one command runs, so all share these
+    std::string isa = "auto", size = "800x600";
+    std::string scene, output;
+    std::uint64_t count = 0;
+    cli::ProbeCommand probe;
+    cli::RenderCommand render;
     cli::CompareCommand compare;
 };
 
@@ -59,8 +81,11 @@ public:
         app_.footer("lightloom-cli COMMAND --help tells more. Exit codes: 0 done, 1 failed, 2 usage, 3 bad input, "
                     "4 would not fit in memory, 130 interrupted.");
         addGlobals();
-        addParams();
+        addPoints();
+        addProbe();
+        addRender();
         addCompare();
+        addParams();
     }
 
     /// The chosen command, or an exit code when there is nothing to run (help, version, wrong usage).
@@ -68,6 +93,10 @@ public:
     {
         try {
             app_.parse(argc, argv);
+        } catch (const CLI::ExtrasError&) {
+            const std::vector<std::string> extras = app_.remaining(true);
+            cli::logLine(LogLevel::error, extras.front() + " was not expected here; see lightloom-cli --help");
+            return cli::kUsage;
         } catch (const CLI::ParseError& e) {
             if (e.get_exit_code() == 0) return app_.exit(e); // help and version, on stdout
             cli::logLine(LogLevel::error, std::string(e.what()) + "; see lightloom-cli --help");
@@ -110,6 +139,93 @@ private:
         command->fallthrough(); // the options above are taken on both sides of the command
         commands_[command] = std::move(run);
         return command;
+    }
+
+    /// A command that takes a scene, and what it is to write.
+    CLI::App* addSceneCommand(const std::string& name, const std::string& help, std::function<int()> run)
+    {
+        CLI::App* command = addCommand(name, help, std::move(run));
+        command->add_option("SCENE", spoken_.scene, "A .gltf or .glb file")->required();
+        return command;
+    }
+    CLI::Option* addOutput(CLI::App& to, const std::string& what)
+    {
+        return to.add_option("-o,--output", spoken_.output, what)->option_text("FILE");
+    }
+
+    void addMethod(CLI::App& to, std::string& method) { addChoice(to, "--method", method, texts(kMethodNames), "How"); }
+
+    void addBakeOptions(CLI::App& to)
+    {
+        cli::BakeOptions& o = spoken_.bakeOptions;
+        addChoice(to, "--preset", o.preset, texts(kPresetNames), "All parameters at once, by purpose");
+        to.add_option("--set", o.set, "One parameter; see lightloom-cli params. May be repeated")
+            ->allow_extra_args(false)
+            ->option_text("NAME=VALUE");
+        to.add_option("--target-stderr", o.targetStderr, "Stop the reference at this error, a fraction of the mean")
+            ->option_text("FRACTION");
+        addChoice(to, "--isa", spoken_.isa, texts(kIsaNames), "Instruction set for rays; part of the result's bits");
+    }
+
+    [[nodiscard]] cli::BakeOptions bakeOptions() const
+    {
+        cli::BakeOptions options = spoken_.bakeOptions;
+        options.seed = spoken_.context.seed;
+        options.isa = named<Isa>(kIsaNames, spoken_.isa);
+        return options;
+    }
+
+    void addPoints()
+    {
+        CLI::App* command =
+            addSceneCommand("points", "Probe points, even over the surfaces that light can reach", [this] {
+                return cli::points(spoken_.context, spoken_.scene, spoken_.count, spoken_.context.seed.value_or(1),
+                                   spoken_.output);
+            });
+        command->add_option("--count", spoken_.count, "How many")->required()->check(wholeNumber)->option_text("N");
+        addOutput(*command, "POINTS.csv; standard output without");
+    }
+
+    void addProbe()
+    {
+        CLI::App* command = addSceneCommand("probe", "Direct and indirect light at points, in lux", [this] {
+            spoken_.probe.scene = spoken_.scene;
+            spoken_.probe.output = spoken_.output;
+            spoken_.probe.options = bakeOptions();
+            return cli::probe(spoken_.context, spoken_.probe);
+        });
+        addMethod(*command, spoken_.probe.method);
+        command->add_option("--points", spoken_.probe.points, "Where: x,y,z,nx,ny,nz")->required()->option_text("FILE");
+        addBakeOptions(*command);
+        addOutput(*command, "RESULT.csv; standard output without");
+    }
+
+    void addRender()
+    {
+        cli::RenderCommand& r = spoken_.render;
+        CLI::App* command = addSceneCommand("render", "A picture from one of the scene's cameras", [this] {
+            spoken_.render.scene = spoken_.scene;
+            spoken_.render.output = spoken_.output;
+            spoken_.render.options = bakeOptions();
+            std::tie(spoken_.render.width, spoken_.render.height) = *sizeOf(spoken_.size);
+            return cli::render(spoken_.context, spoken_.render);
+        });
+        addMethod(*command, r.method);
+        command->add_option("--camera", r.camera, "Name or number from 0; the first without")
+            ->option_text("NAME|INDEX");
+        command->add_option("--size", spoken_.size, "Pixels, 800x600 without")
+            ->option_text("WxH")
+            ->check([](const std::string& text) {
+                return sizeOf(text)
+                           ? std::string()
+                           : text + " is not WIDTHxHEIGHT with sides from 1 to 16384, 64 million pixels in all";
+            });
+        command->add_option("--spp", r.samplesPerPixel, "Camera rays per pixel")->option_text("N");
+        command->add_option("--ev", r.ev, "Exposure value of a .png; the scene's own without")
+            ->check(CLI::Range(-100.0f, 100.0f))
+            ->option_text("EV");
+        addBakeOptions(*command);
+        addOutput(*command, "IMAGE.exr (cd/m2; layers direct and indirect) or IMAGE.png")->required();
     }
 
     void addParams()

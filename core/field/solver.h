@@ -24,14 +24,4 @@ public:
     virtual Result<Done> bake(const BakeJob& job, BakeProducts& products, BakeControl& control) = 0;
 };
 
-/// True if group `g` is off in `mix`.
-[[nodiscard]] inline bool isOff(const Mix& mix, int g)
-{
-    return static_cast<std::size_t>(g) < mix.size() && mix[static_cast<std::size_t>(g)] == glm::vec3(0.0f);
-}
-[[nodiscard]] inline glm::vec3 gainOf(const Mix& mix, int g)
-{
-    return static_cast<std::size_t>(g) < mix.size() ? mix[static_cast<std::size_t>(g)] : glm::vec3(1.0f);
-}
-
 } // namespace lightloom

@@ -21,7 +21,7 @@ struct BakeParams {
     std::uint64_t seed = 1;
     int photonCount = 400'000;
     int pathDepth = 64;
-    int gatherCount = 400;
+    int gatherCount = 200;
     float gatherRadius = 0.0f;
     GatherKernel gatherKernel = GatherKernel::sphere;
     int octreeDepth = 6;

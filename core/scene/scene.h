@@ -142,5 +142,13 @@ void finishScene(Scene& scene, const std::vector<std::string>& groupNames);
 
 /// Gain per light group and channel; what the light mixer sets. Linear: 1 is the lamp as baked, 0 is off.
 using Mix = std::vector<glm::vec3>;
+/// Gain of a group; groups that `mix` does not name are as baked.
+[[nodiscard]] inline glm::vec3 gainOf(const Mix& mix, int group)
+{
+    const auto g = static_cast<std::size_t>(group);
+    return g < mix.size() ? mix[g] : glm::vec3(1.0f);
+}
+/// True if the group is off in `mix`.
+[[nodiscard]] inline bool isOff(const Mix& mix, int group) { return gainOf(mix, group) == glm::vec3(0.0f); }
 
 } // namespace lightloom

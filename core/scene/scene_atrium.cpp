@@ -82,10 +82,10 @@ void addFurniture(SceneBuilder& builder)
 {
     const int dark = builder.addMaterial("slate", {0.24f, 0.26f, 0.28f});
     const int green = builder.addMaterial("leaves", {0.20f, 0.38f, 0.12f});
-    builder.add("Garden/Planter", boxMesh({6.0f, -0.01f, 5.2f}, {9.0f, 0.5f, 6.8f}), dark);
+    builder.add("Garden/Planter", boxMesh({8.5f, -0.01f, 5.2f}, {11.5f, 0.5f, 6.8f}), dark);
     int tree = 0;
-    for (const float x : {6.7f, 7.5f, 8.3f}) {
-        builder.add(fmt::format("Garden/Tree {}", ++tree), sphereMesh({x, 1.25f + 0.1f * x, 6.0f}, 0.6f, 20), green);
+    for (const float x : {9.2f, 10.0f, 10.8f}) {
+        builder.add(fmt::format("Garden/Tree {}", ++tree), sphereMesh({x, 1.0f + 0.1f * x, 6.0f}, 0.6f, 20), green);
         builder.add(fmt::format("Garden/Trunk {}", tree), cylinderMesh({x, 0.45f, 6.0f}, 0.05f, 1.2f, 12), dark);
     }
     builder.add("Garden/Bench", boxMesh({12.5f, -0.01f, 5.6f}, {15.0f, 0.45f, 6.2f}),
@@ -94,7 +94,7 @@ void addFurniture(SceneBuilder& builder)
 
 void addLamps(SceneBuilder& builder)
 {
-    builder.addDirectional("Sun", {0.30f, -0.90f, 0.24f}, tinted({1.0f, 0.94f, 0.84f}, 80000.0f));
+    builder.addDirectional("Sun", {0.28f, -0.94f, 0.12f}, tinted({1.0f, 0.94f, 0.84f}, 80000.0f));
     for (int storey = 0; storey < 2; ++storey) {
         const std::string group = storey == 0 ? "Ground floor lamps" : "Gallery lamps";
         for (int i = 0; i < 6; ++i) {
@@ -116,10 +116,10 @@ Scene atrium()
     addFurniture(builder);
     addLamps(builder);
     builder.addCamera("Entrance", {0.7f, 1.7f, 6.6f}, {12.0f, 3.8f, 6.2f}, 65.0f);
-    builder.addCamera("From the gallery", {1.2f, 5.3f, 1.4f}, {13.0f, 2.6f, 9.0f}, 62.0f);
-    builder.addCamera("Under the gallery", {1.0f, 1.65f, 10.9f}, {14.0f, 1.6f, 8.6f}, 60.0f);
+    builder.addCamera("From the gallery", {3.2f, 5.3f, 2.2f}, {13.5f, 2.0f, 7.6f}, 62.0f);
+    builder.addCamera("Under the gallery", {2.9f, 1.65f, 11.1f}, {14.5f, 1.6f, 8.6f}, 60.0f);
     builder.addCamera("Up to the roof", {15.5f, 1.2f, 5.2f}, {8.5f, 9.0f, 6.6f}, 75.0f);
-    builder.setExposure(12.0f);
+    builder.setExposure(11.5f);
     return builder.finish();
 }
 

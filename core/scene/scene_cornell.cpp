@@ -71,7 +71,7 @@ Scene cornellBox()
     builder.add("Short block", blockMesh(low, 0.165f), m.white);
     builder.add("Tall block", blockMesh(high, 0.330f), m.white);
     addCornellCameras(builder);
-    builder.setExposure(8.0f);
+    builder.setExposure(2.5f);
     return builder.finish();
 }
 

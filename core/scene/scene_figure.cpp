@@ -39,19 +39,19 @@ double noise(glm::dvec3 p)
 /// flat foot: each step maps space one to one, so the surface never meets itself.
 glm::vec3 displaced(glm::dvec3 d)
 {
-    double radius = 1.0, amplitude = 0.42, frequency = 1.35;
+    double radius = 1.0, amplitude = 0.36, frequency = 1.3;
     for (int octave = 0; octave < 5; ++octave) {
         radius += amplitude * noise(frequency * d + glm::dvec3(17.3, 4.1, 9.7) * double(octave + 1));
-        amplitude *= 0.46;
+        amplitude *= 0.42;
         frequency *= 2.13;
     }
     glm::dvec3 p = radius * d * glm::dvec3(1.0, 1.7, 1.0);
-    const double waist = 0.78 + 0.10 * p.y * p.y, angle = 0.9 * p.y;
+    const double waist = 0.92 - 0.14 * p.y, angle = 0.8 * p.y;
     const double c = std::cos(angle) * waist, s = std::sin(angle) * waist;
     p = {c * p.x + s * p.z, p.y, c * p.z - s * p.x};
     const double foot = -1.35;
     if (p.y < foot) p.y = foot + 0.01 * (p.y - foot);
-    const glm::dvec3 inBox = glm::dvec3(0.278, -0.001, 0.275) + 0.125 * (p - glm::dvec3(0.0, foot, 0.0));
+    const glm::dvec3 inBox = glm::dvec3(0.278, -0.001, 0.275) + 0.11 * (p - glm::dvec3(0.0, foot, 0.0));
     return glm::vec3(glm::round(inBox * 0x1p20) * 0x1p-20); // steps of a micrometre: libraries' last digits vanish
 }
 
@@ -157,7 +157,7 @@ Result<Scene> figureScene(std::uint64_t triangles)
     builder.add("Figure", std::move(figure), builder.addMaterial("plaster", {0.76f, 0.74f, 0.70f}));
     addCornellCameras(builder);
     builder.addCamera("Close to the figure", {0.12f, 0.36f, -0.05f}, {0.28f, 0.22f, 0.28f}, 50.0f);
-    builder.setExposure(8.0f);
+    builder.setExposure(2.5f);
     return builder.finish();
 }
 

@@ -98,7 +98,7 @@ void addRoom(SceneBuilder& builder)
     const int walls = builder.addMaterial("white walls", {0.80f, 0.79f, 0.76f});
     const int ceiling = builder.addMaterial("white ceiling", glm::vec3(0.82f));
     const int part = builder.addMaterial("blue-grey partition", {0.34f, 0.40f, 0.46f});
-    const glm::vec3 cool = tinted({0.93f, 1.0f, 1.06f}, 4000.0f / (kPi * 1.2f * 0.6f)); // 4000 lm on 1.2 x 0.6 m
+    const glm::vec3 cool = tinted({0.93f, 1.0f, 1.06f}, 2000.0f / (kPi * 1.2f * 0.6f)); // 2000 lm on 1.2 x 0.6 m
     const int firstPanel = builder.addEmitter("panel 1", cool);
     builder.addEmitter("panel 2", cool);
     builder.addEmitter("panel 3", cool);
@@ -165,7 +165,7 @@ void addPictures(SceneBuilder& builder)
         builder.add(fmt::format("Frames/{}", h.title), boxMesh(glm::min(a, b), glm::max(a, b)), frame);
         const float away = h.normal.x != 0.0f ? 1.7f : 1.9f;
         builder.addSpot(fmt::format("Lamps/Spot on {}", h.title), h.centre + away * h.normal + 2.25f * up, h.centre,
-                        tinted({1.0f, 0.83f, 0.62f}, 1500.0f), glm::radians(12.0f), glm::radians(24.0f));
+                        tinted({1.0f, 0.83f, 0.62f}, 2000.0f), glm::radians(12.0f), glm::radians(24.0f));
     }
 }
 
@@ -200,7 +200,7 @@ Scene gallery()
     builder.addCamera("West half", {0.6f, 1.65f, 7.2f}, {4.9f, 1.3f, 2.6f}, 62.0f);
     builder.addCamera("Golden ring", {1.7f, 1.55f, 5.4f}, {3.5f, 1.25f, 3.9f}, 45.0f);
     builder.addCamera("Behind the partition", {9.4f, 1.6f, 1.2f}, {7.1f, 1.5f, 4.2f}, 55.0f);
-    builder.setExposure(7.0f);
+    builder.setExposure(6.0f);
     return builder.finish();
 }
 

@@ -7,14 +7,14 @@ namespace lightloom {
 namespace {
 
 constexpr float kWallA = 4.0f, kWallB = 4.2f; // the dividing wall, x
-constexpr float kDoorLow = 1.5f, kDoorHigh = 2.4f, kDoorTop = 2.05f;
+constexpr float kDoorLow = 1.4f, kDoorHigh = 2.5f, kDoorTop = 2.2f;
 
 void addShell(SceneBuilder& builder)
 {
     const int floor = builder.addMaterial("oak floor", {0.42f, 0.30f, 0.19f});
     const int ceiling = builder.addMaterial("white ceiling", glm::vec3(0.80f));
-    const int wallsA = builder.addMaterial("cream walls", {0.74f, 0.68f, 0.56f});
-    const int wallsB = builder.addMaterial("blue walls", {0.45f, 0.58f, 0.70f});
+    const int wallsA = builder.addMaterial("cream walls", {0.74f, 0.71f, 0.65f});
+    const int wallsB = builder.addMaterial("blue walls", {0.56f, 0.66f, 0.74f});
     const int jamb = builder.addMaterial("door lining", {0.62f, 0.60f, 0.57f});
     CellPlan plan;
     plan.xs = {0.0f, kWallA, kWallB, 8.2f};
@@ -60,12 +60,12 @@ void addFurniture(SceneBuilder& builder)
 
 void addLamps(SceneBuilder& builder)
 {
-    const glm::vec3 warm(1.0f, 0.72f, 0.43f);
+    const glm::vec3 warm(1.0f, 0.80f, 0.58f);
     builder.addPoint("Lamps/Pendant over the table", {2.0f, 2.05f, 2.0f}, tinted(warm, 800.0f / (4.0f * kPi)));
     Mesh shade = cylinderMesh({0.5f, 1.35f, 0.55f}, 0.16f, 0.28f, 32);
     const float luminance = 500.0f / (kPi * static_cast<float>(areaOf(shade)));
     builder.add("Lamps/Floor lamp", std::move(shade),
-                builder.addEmitter("lamp shade", tinted({1.0f, 0.80f, 0.55f}, luminance)));
+                builder.addEmitter("lamp shade", tinted({1.0f, 0.84f, 0.64f}, luminance)));
     builder.add("Furniture/Lamp foot", cylinderMesh({0.5f, kSunk, 0.55f}, 0.02f, 1.34f, 12),
                 builder.addMaterial("black steel", glm::vec3(0.06f)));
 }
@@ -81,7 +81,7 @@ Scene twoRooms()
     builder.addCamera("Room B", {8.0f, 1.65f, 3.8f}, {5.2f, 1.0f, 1.2f}, 60.0f);
     builder.addCamera("Room A", {0.3f, 1.65f, 3.7f}, {3.6f, 0.9f, 1.4f}, 60.0f);
     builder.addCamera("Through the door", {6.6f, 1.55f, 2.2f}, {2.0f, 1.1f, 1.9f}, 55.0f);
-    builder.setExposure(4.0f);
+    builder.setExposure(2.5f);
     return builder.finish();
 }
 

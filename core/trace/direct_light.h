@@ -5,13 +5,6 @@
 
 namespace lightloom {
 
-/// What `mix` sets a light group to; groups it does not name are as baked.
-[[nodiscard]] inline glm::vec3 gainOf(const Mix& mix, int group)
-{
-    const auto g = static_cast<std::size_t>(group);
-    return g < mix.size() ? mix[g] : glm::vec3(1.0f);
-}
-
 /// Direct illuminance (lux per channel) on a surface at exactly `p` with unit normal `n`, all groups weighted by `mix`
 /// (empty: all 1). Only shadow rays start a step off `p` along `n`, so `p` may lie on a surface or hang in mid-air.
 /// Punctual lights: one shadow ray, exact. Surfaces: `samples` low-discrepancy shadow rays each, shifted at random by

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/cli/methods.h"
+#include "app/cli/progress.h"
+#include "core/octree/octree_solver.h"
+#include "core/photonmap/photon_map_solver.h"
+#include "core/photonmap/photon_products.h"
+#include "core/scene/gltf_reader.h"
+#include <chrono>
+#include <fmt/format.h>
+#include <unistd.h>
+
+namespace lightloom::cli {
+namespace {
+
+std::unique_ptr<Solver> solverOf(Method method)
+{
+    if (method == Method::lightOctree) return std::make_unique<OctreeSolver>();
+    return std::make_unique<PhotonMapSolver>();
+}
+
+/// Runs the method's solver on the scene as it is (all lamps on) and keeps its last field.
+Result<Done> bakeNow(const Context& context, const LightingRequest& request, double share, Lighting& lighting)
+{
+    Result<std::shared_ptr<const Scene>> scene = readScene(request.scene, context.log);
+    if (!scene) return scene.error();
+    const BakeJob job{*scene, lighting.params, {}, request.options.isa, 0};
+    BakeProducts products;
+    BakeControl::Sinks sinks;
+    sinks.publish = [&](const Snapshot& snapshot) { lighting.field = snapshot.field; };
+    sinks.progress = [&](const Progress& p) { context.report->progress(stageName(p.stage), share * p.fraction); };
+    BakeControl control(*context.workers, std::move(sinks), context.stop);
+    const Result<Done> baked = solverOf(lighting.method)->bake(job, products, control);
+    if (!baked) return baked.error();
+    lighting.bakeSeconds = control.elapsedMs() / 1000.0;
+    const Result<SceneProducts> kept = sceneProducts(job, products, control); // finds what the solver left
+    if (!kept) return kept.error();
+    lighting.lit = {*scene, kept->rays, kept->lights};
+    lighting.counters = products.counters;
+    log(context.log, LogLevel::info,
+        fmt::format("{} baked in {:.2f} s, {:.1f} MiB", methodName(lighting.method), lighting.bakeSeconds,
+                    static_cast<double>(lighting.field->memoryBytes()) / (1 << 20)));
+    return Done{};
+}
+
+} // namespace
+
+Result<LitScene> readLitScene(const Context& context, const std::string& path, Isa isa)
+{
+    Result<std::shared_ptr<const Scene>> scene = readScene(path, context.log);
+    if (!scene) return scene.error();
+    Result<std::shared_ptr<const RayScene>> rays = RayScene::build(*scene, isa, context.stop);
+    if (!rays) return rays.error();
+    return LitScene{*scene, *rays, std::make_shared<LightSampler>(*rays)};
+}
+
+Result<Done> checkRequest(const LightingRequest& request)
+{
+    if (request.method.empty()) {
+        return Error{Error::Kind::badInput,
+                     "say with what: --method " + std::string(kMethodNames[0]) + ", for example"};
+    }
+    if (const Result<Method> method = methodNamed(request.method); !method) return method.error();
+    if (const Result<BakeParams> params = bakeParams(request.options); !params) return params.error();
+    return Done{};
+}
+
+Result<Lighting> prepareLighting(const Context& context, const LightingRequest& request, double bakeShare)
+{
+    const Result<Method> method = methodNamed(request.method);
+    if (!method) return method.error();
+    const Result<BakeParams> params = bakeParams(request.options);
+    if (!params) return params.error();
+    Lighting lighting;
+    lighting.method = *method;
+    lighting.params = *params;
+    if (*method == Method::lightOctree || *method == Method::photonMap) {
+        const Result<Done> baked = bakeNow(context, request, bakeShare, lighting);
+        if (!baked) return baked.error();
+        return lighting;
+    }
+    Result<LitScene> lit = readLitScene(context, request.scene, request.options.isa);
+    if (!lit) return lit.error();
+    lighting.lit = *std::move(lit);
+    return lighting;
+}
+
+int failUsage(const Error& error)
+{
+    logLine(LogLevel::error, error.message);
+    return kUsage;
+}
+
+Result<Done> checkFits(double bytes, const std::string& what, const std::string& wayOut)
+{
+    const double have = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+    if (bytes <= 0.9 * have) return Done{};
+    return Error{Error::Kind::outOfMemory, fmt::format("{} needs about {:.1f} GiB, this machine has {:.1f}; {}", what,
+                                                       bytes / (1 << 30), have / (1 << 30), wayOut)};
+}
+
+} // namespace lightloom::cli

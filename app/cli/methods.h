@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "app/cli/commands.h"
+#include "core/field/bake_products.h"
+#include "core/field/indirect_field.h"
+
+/// What bake, probe and render share: from a scene's file and a method's name to something that lights points.
+namespace lightloom::cli {
+
+/// A scene, ready for rays, with its lamps.
+struct LitScene {
+    std::shared_ptr<const Scene> scene;
+    std::shared_ptr<const RayScene> rays;
+    std::shared_ptr<const LightSampler> lights;
+};
+[[nodiscard]] Result<LitScene> readLitScene(const Context& context, const std::string& path, Isa isa);
+
+/// How points are to be lit: the command line's method and options, or what a bake file says.
+struct Lighting {
+    LitScene lit;
+    Method method = Method::lightOctree;
+    BakeParams params;
+    std::shared_ptr<const IndirectField> field; ///< null for `direct` and `reference`
+    WorkCounters counters;                      ///< of the bake, if one was run
+    double bakeSeconds = 0;
+};
+
+/// What `prepareLighting` wants to know.
+struct LightingRequest {
+    std::string scene, method, bakeFile;
+    BakeOptions options;
+};
+
+/// Options that no method could follow, told apart from bad input because their exit code is another (usage).
+[[nodiscard]] Result<Done> checkRequest(const LightingRequest& request);
+
+/// Reads the scene and, for a cached method, bakes (progress 0 to `bakeShare` of the command) or reads the bake file.
+/// With a bake file its parameters count; options may change only what shows a bake (direct.samples, probe.rays,
+/// render.samples). Errors: also a bake of another scene or method.
+[[nodiscard]] Result<Lighting> prepareLighting(const Context& context, const LightingRequest& request,
+                                               double bakeShare);
+
+/// Prints `error` and gives the exit code of wrong usage.
+int failUsage(const Error& error);
+
+/// Error of kind outOfMemory if `bytes` are more than nine tenths of this machine's memory; `what` says for what.
+[[nodiscard]] Result<Done> checkFits(double bytes, const std::string& what, const std::string& wayOut);
+
+} // namespace lightloom::cli

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/cli/methods.h"
+#include "app/cli/progress.h"
+#include "core/base/atomic_file.h"
+#include "core/compare/image_error.h"
+#include "core/compare/probes.h"
+#include "core/trace/final_gather.h"
+#include <atomic>
+#include <chrono>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace lightloom::cli {
+namespace {
+
+constexpr double kBakeShare = 0.8; ///< of a probe's time, where it bakes first
+constexpr std::uint64_t kGatherStream = hashName("probe gather");
+
+/// Light at the rows that were finished, the first ones.
+ProbeTable tableOf(const std::vector<ProbeRow>& rows, std::size_t finished)
+{
+    ProbeTable table;
+    table.points.assign(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(finished));
+    table.direct.resize(finished);
+    table.indirect.resize(finished);
+    return table;
+}
+
+ProbeTable byReference(const Context& context, const Lighting& lighting, const std::vector<ProbeRow>& rows,
+                       const std::vector<ProbePoint>& points)
+{
+    const BakeParams& p = lighting.params;
+    const ReferenceJob job{p.seed, p.referenceSamples, p.referenceStderr, p.pathDepth, p.directSamples};
+    const ReferenceResult result =
+        referenceIlluminance(*lighting.lit.rays, *lighting.lit.lights, {}, points, job, *context.workers, context.stop,
+                             [&](double fraction) { context.report->progress("reference", fraction); });
+    ProbeTable table = tableOf(rows, result.finished);
+    for (std::size_t i = 0; i < result.finished; ++i) {
+        const ProbeLight& light = result.probes[i];
+        table.direct[i] = light.direct;
+        table.indirect[i] = light.indirect;
+        // the two are estimated from different random numbers
+        table.standardError.push_back(
+            glm::sqrt(light.directError * light.directError + light.indirectError * light.indirectError));
+    }
+    return table;
+}
+
+/// One row: exact direct light; indirect from the field, gathered where the field has no answer.
+class RowLight {
+public:
+    explicit RowLight(const Lighting& lighting) : lighting_(lighting)
+    {
+        cached_ = [this](glm::vec3 p, glm::vec3 n, glm::vec3& lux) { return lighting_.field->lookup(p, n, lux); };
+    }
+    void at(const ProbePoint& point, glm::vec3& direct, glm::vec3& indirect) const
+    {
+        const RayScene& rays = *lighting_.lit.rays;
+        const LightSampler& lights = *lighting_.lit.lights;
+        const BakeParams& params = lighting_.params;
+        Rng rng(params.seed, point.stream, 0);
+        direct = directIlluminance(rays, lights, {}, point.position, point.normal, params.directSamples, rng);
+        indirect = glm::vec3(0.0f);
+        if (!lighting_.field || lighting_.field->lookup(point.position, point.normal, indirect)) return;
+        Rng gatherRng(params.seed, mixBits(point.stream ^ kGatherStream), 0);
+        indirect = gatherIndirect(rays, lights, {}, cached_, point.position, point.normal, params.probeRays,
+                                  kShadowRaysPerHit, gatherRng);
+    }
+
+private:
+    static constexpr int kShadowRaysPerHit = 4; ///< hundreds of hits share the noise
+    const Lighting& lighting_;
+    CachedIndirect cached_;
+};
+
+ProbeTable byField(const Context& context, const Lighting& lighting, const std::vector<ProbeRow>& rows,
+                   const std::vector<ProbePoint>& points)
+{
+    const RowLight light(lighting);
+    ProbeTable table = tableOf(rows, rows.size());
+    std::vector<std::uint8_t> isDone(rows.size(), 0);
+    std::atomic<std::size_t> done = 0;
+    const double from = lighting.field ? kBakeShare : 0.0;
+    context.workers->run(rows.size(), context.stop, [&](std::size_t i) {
+        light.at(points[i], table.direct[i], table.indirect[i]);
+        isDone[i] = 1;
+        const double part = static_cast<double>(++done) / static_cast<double>(rows.size());
+        context.report->progress("probe", from + (1.0 - from) * part);
+    });
+    const auto finished = static_cast<std::size_t>(std::ranges::find(isDone, 0) - isDone.begin());
+    table.points.resize(finished);
+    table.direct.resize(finished);
+    table.indirect.resize(finished);
+    return table;
+}
+
+nlohmann::json summary(const Context& context, const Lighting& lighting, const ProbeTable& table, double seconds,
+                       const std::string& output)
+{
+    const auto mean = [](const std::vector<glm::vec3>& light) {
+        double sum = 0;
+        for (const double l : luminances(light)) sum += l;
+        return light.empty() ? 0.0 : sum / static_cast<double>(light.size());
+    };
+    nlohmann::json json{{"method", methodName(lighting.method)},
+                        {"points", table.points.size()},
+                        {"mean_direct_lux", mean(table.direct)},
+                        {"mean_indirect_lux", mean(table.indirect)},
+                        {"seconds", seconds},
+                        {"threads", context.workers->threadCount()},
+                        {"isa", lighting.lit.rays->isaName()},
+                        {"output", output}};
+    if (lighting.field) json["bake_seconds"] = lighting.bakeSeconds;
+    if (!table.standardError.empty()) {
+        const double all = mean(table.direct) + mean(table.indirect);
+        json["relative_standard_error"] = relativeNoise(table.standardError, all);
+    }
+    return json;
+}
+
+/// What was finished is kept, with a last line that no reader can take for numbers.
+int saveInterrupted(const ProbeTable& table, std::size_t wanted, const std::string& output)
+{
+    const std::string what = fmt::format("interrupted after {} of {} points", table.points.size(), wanted);
+    if (table.points.empty() || output.empty()) return fail({Error::Kind::cancelled, what + "; nothing was written"});
+    const Result<Done> written = writeFile(output, resultText(table, wanted));
+    if (!written) return failWriting(written.error());
+    return fail({Error::Kind::cancelled, fmt::format("{}; {} holds these, marked as incomplete", what, output)});
+}
+
+} // namespace
+
+int probe(const Context& context, const ProbeCommand& command)
+{
+    const LightingRequest request{command.scene, command.method, command.bakeFile, command.options};
+    if (const Result<Done> fine = checkRequest(request); !fine) return failUsage(fine.error());
+    if (context.json && command.output.empty()) {
+        return failUsage({Error::Kind::badInput, "with --json the table needs a file: -o RESULT.csv"});
+    }
+    if (!command.output.empty()) {
+        if (const Result<Done> fine = checkOutput(command.output); !fine) return failWriting(fine.error());
+    }
+    const Result<std::vector<ProbeRow>> rows = readPoints(command.points);
+    if (!rows) return fail(rows.error());
+
+    const auto began = std::chrono::steady_clock::now();
+    const Result<Lighting> lighting = prepareLighting(context, request, kBakeShare);
+    if (!lighting) return fail(lighting.error());
+    std::vector<ProbePoint> points;
+    for (const ProbeRow& row : *rows) points.push_back(inScene(*lighting->lit.scene, row));
+    const ProbeTable table = lighting->method == Method::reference ? byReference(context, *lighting, *rows, points)
+                                                                   : byField(context, *lighting, *rows, points);
+    if (table.points.size() < rows->size()) return saveInterrupted(table, rows->size(), command.output);
+
+    const std::string text = resultText(table);
+    if (command.output.empty()) {
+        fmt::print("{}", text);
+        return kDone;
+    }
+    if (const Result<Done> written = writeFile(command.output, text); !written) return failWriting(written.error());
+    if (context.json) {
+        const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - began;
+        const nlohmann::json json = summary(context, *lighting, table, seconds.count(), command.output);
+        fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    }
+    return kDone;
+}
+
+} // namespace lightloom::cli

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "core/scene/scene.h"
+#include <array>
+#include <glm/glm.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace lightloom {
+
+struct DrawVertex {
+    glm::vec3 position, normal;
+    glm::vec4 uv;     ///< set 0, set 1
+    glm::vec4 colour; ///< linear, multiplies the base colour
+};
+
+/// One light of the direct preview: a punctual lamp, or a patch of a shining surface.
+struct PreviewLight {
+    int kind = 0;                        ///< kLampPoint.. of shaders/shared_limits.glsl
+    int group = 0;                       ///< light group
+    glm::vec3 position{0.0f};            ///< scene space
+    glm::vec3 travel{0.0f, -1.0f, 0.0f}; ///< spot axis, sun, or normal of the patch
+    glm::vec3 colour{0.0f};              ///< cd, lux (sun) or cd/m2 (patch), at gain 1
+    float cosInner = 1.0f, cosOuter = 0.0f;
+    float area = 0.0f;  ///< of a patch, m2
+    bool inCube = true; ///< shadow in six layers, or (spot, sun) in one
+};
+
+/// A scene as plain arrays that a viewport uploads as they are. Made on a worker, never changed afterwards.
+struct DrawData {
+    struct Range {
+        std::uint32_t first = 0, count = 0; ///< indices
+    };
+    std::shared_ptr<const Scene> scene;
+    std::vector<DrawVertex> vertices;
+    std::vector<std::uint32_t> indices;
+    std::vector<Range> meshes; ///< as Scene::meshes
+    std::vector<PreviewLight> lights;
+    std::string lampMessage; ///< what the preview of direct light leaves out; empty: nothing
+};
+
+/// Meshes without normals get flat ones. Shining surfaces become up to 8 patches, fewer where many lamps share the
+/// shadow maps; lamps beyond 16 are left out and named in `lampMessage`.
+[[nodiscard]] std::shared_ptr<const DrawData> makeDrawData(std::shared_ptr<const Scene> scene);
+
+} // namespace lightloom

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "widgets/gl/draw_data.h"
+
+namespace lightloom {
+
+inline constexpr int kMostCubeLayers = 128; ///< of shadow maps; GL 3.3 promises 256
+
+/// Fills `lights` and `lampMessage` from the scene's lamps. Pure CPU, any thread.
+void addPreviewLights(DrawData& data);
+
+} // namespace lightloom

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "widgets/gl/renderer.h"
+#include "core/base/units.h"
+#include "shaders/common.h"
+#include <algorithm>
+#include <cmath>
+
+namespace lightloom {
+
+namespace {
+
+constexpr float kMostHalf = 60'000.0f; ///< emission is scaled to stay below the end of half floats
+
+/// Where in a pixel sample `i` looks, -0.5 to 0.5: the middle first, then the R2 sequence.
+glm::vec2 shiftOf(int i)
+{
+    if (i == 0) return glm::vec2(0.0f);
+    return glm::vec2(std::fmod(0.5f + 0.7548777f * static_cast<float>(i), 1.0f),
+                     std::fmod(0.5f + 0.5698403f * static_cast<float>(i), 1.0f)) -
+           0.5f;
+}
+
+} // namespace
+
+Result<std::unique_ptr<Renderer>> Renderer::make(Gl& gl)
+{
+    auto renderer = std::unique_ptr<Renderer>(new Renderer(gl));
+    if (const Result<Done> linked = renderer->linkPrograms(); !linked) return linked.error();
+    return renderer;
+}
+
+Result<Done> Renderer::linkPrograms()
+{
+    const ShaderLibrary shaders;
+    const struct {
+        GlProgram& program;
+        const char *vertex, *fragment;
+    } wanted[] = {
+        {surfaceProgram_, "scene.vert", "scene.frag"},           {shadowProgram_, "shadow.vert", "shadow.frag"},
+        {directProgram_, "fullscreen.vert", "mode_direct.frag"}, {plainProgram_, "fullscreen.vert", "mode_plain.frag"},
+        {postProgram_, "fullscreen.vert", "pass_post.frag"},     {copyProgram_, "fullscreen.vert", "pass_copy.frag"}};
+    for (const auto& each : wanted) {
+        Result<GlProgram> linked = shaders.link(gl_, each.vertex, each.fragment);
+        if (!linked) return linked.error();
+        each.program = std::move(*linked);
+    }
+    Result<std::unique_ptr<ModeVdl>> vdl = ModeVdl::make(gl_, shaders);
+    if (!vdl) return vdl.error();
+    vdl_ = std::move(*vdl);
+    return Done{};
+}
+
+Result<Done> Renderer::setScene(std::shared_ptr<const DrawData> data)
+{
+    scene_.reset();
+    (void)vdl_->setOctree(nullptr); // dropping cannot fail
+    if (!data) return Done{};
+    float brightest = 0.0f;
+    for (const Material& m : data->scene->materials) brightest = std::max(brightest, maxChannel(m.emission));
+    emissionScale_ = brightest > kMostHalf ? brightest / kMostHalf : 1.0f;
+    scene_.emplace(gl_, data);
+    return shadows_.setScene(*data);
+}
+
+Result<Done> Renderer::setOctree(const std::shared_ptr<const GpuOctree>& octree) { return vdl_->setOctree(octree); }
+void Renderer::setMix(const Mix& mix) { shadows_.setMix(mix); }
+
+bool Renderer::drawShadows(double budgetMs) { return !scene_ || shadows_.draw(*scene_, shadowProgram_, budgetMs); }
+
+void Renderer::drawSurfaces(const FrameView& frame, glm::vec2 shift)
+{
+    const glm::ivec2 size = buffers_->size;
+    gl_.glBindFramebuffer(GL_FRAMEBUFFER, buffers_->surfaces.id());
+    gl_.glViewport(0, 0, size.x, size.y);
+    gl_.glDisable(GL_BLEND);
+    gl_.glDisable(GL_SCISSOR_TEST);
+    gl_.glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    gl_.glEnable(GL_DEPTH_TEST);
+    gl_.glDepthFunc(GL_LESS);
+    gl_.glDepthMask(GL_TRUE);
+    gl_.glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
+    gl_.glClearDepth(1.0);
+    gl_.glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    if (!scene_) return;
+    glm::mat4 shifted(1.0f);
+    shifted[3] = glm::vec4(2.0f * shift / glm::vec2(size), 0.0f, 1.0f);
+    surfaceProgram_.use();
+    surfaceProgram_.set("viewProjection", shifted * frame.projection * frame.view);
+    scene_->draw(surfaceProgram_, true, emissionScale_);
+}
+
+void Renderer::drawDirect(const FrameView& frame, int lights, float emissionScale, bool showIlluminance)
+{
+    directProgram_.use();
+    buffers_->bind(directProgram_);
+    directProgram_.setTexture("gEmission", 3, GL_TEXTURE_2D, buffers_->emission.id());
+    shadows_.bind(directProgram_, 4);
+    directProgram_.set("lightCount", lights);
+    directProgram_.set("emissionScale", emissionScale);
+    directProgram_.set("eye", frame.eye);
+    directProgram_.set("showIlluminance", showIlluminance ? 1 : 0);
+    drawFullscreen(gl_);
+}
+
+void Renderer::drawLight(const FrameView& frame)
+{
+    gl_.glBindFramebuffer(GL_FRAMEBUFFER, buffers_->lighting.id());
+    gl_.glDisable(GL_DEPTH_TEST);
+    gl_.glDisable(GL_BLEND);
+    gl_.glClear(GL_COLOR_BUFFER_BIT);
+    if (!scene_) return;
+    gl_.glBindVertexArray(empty_.id());
+    if (frame.mode == ViewMode::plain) {
+        plainProgram_.use();
+        buffers_->bind(plainProgram_);
+        plainProgram_.set("eye", frame.eye);
+        drawFullscreen(gl_);
+        return;
+    }
+    const bool lamps = frame.mode == ViewMode::direct || !frame.indirectOnly;
+    drawDirect(frame, lamps ? shadows_.lightCount() : 0, lamps ? emissionScale_ : 0.0f, false);
+    if (frame.mode != ViewMode::octree) return;
+    gl_.glEnable(GL_BLEND);
+    gl_.glBlendEquation(GL_FUNC_ADD);
+    gl_.glBlendFuncSeparate(GL_ONE, GL_ONE, GL_ZERO, GL_ONE);
+    vdl_->draw({*buffers_, frame.eye, false});
+    gl_.glDisable(GL_BLEND);
+}
+
+void Renderer::addToSum(bool first)
+{
+    gl_.glBindFramebuffer(GL_FRAMEBUFFER, buffers_->summing.id());
+    if (first) {
+        gl_.glDisable(GL_BLEND);
+    } else {
+        gl_.glEnable(GL_BLEND);
+        gl_.glBlendEquation(GL_FUNC_ADD);
+        gl_.glBlendFunc(GL_ONE, GL_ONE);
+    }
+    gl_.glBindVertexArray(empty_.id());
+    copyProgram_.use();
+    copyProgram_.setTexture("picture", 0, GL_TEXTURE_2D, buffers_->light.id());
+    drawFullscreen(gl_);
+    gl_.glDisable(GL_BLEND);
+}
+
+Result<Done> Renderer::draw(const FrameView& frame, int sample, glm::ivec2 size, GLuint target, glm::ivec2 window)
+{
+    size = glm::max(size, glm::ivec2(1));
+    if (!buffers_ || buffers_->size != size) {
+        buffers_.reset();
+        Result<GBuffer> made = GBuffer::make(gl_, size);
+        if (!made) return made.error();
+        buffers_ = std::move(*made);
+        sample = 0;
+    }
+    drawSurfaces(frame, shiftOf(sample));
+    drawLight(frame);
+    addToSum(sample == 0);
+    const bool plain = frame.mode == ViewMode::plain;
+    gl_.glBindFramebuffer(GL_FRAMEBUFFER, target);
+    gl_.glViewport(0, 0, window.x, window.y);
+    gl_.glDisable(GL_DEPTH_TEST);
+    gl_.glDisable(GL_BLEND);
+    gl_.glBindVertexArray(empty_.id());
+    postProgram_.use();
+    postProgram_.setTexture("picture", 0, GL_TEXTURE_2D, buffers_->sum.id());
+    postProgram_.set("samples", static_cast<float>(sample + 1));
+    postProgram_.set("scale", plain ? 1.0f : shader::exposureScale(frame.exposureEv));
+    postProgram_.set("tone", plain ? shader::kToneNone : frame.tone);
+    postProgram_.set("background", frame.background);
+    drawFullscreen(gl_);
+    gl_.glBindVertexArray(0);
+    gl_.glUseProgram(0);
+    gl_.glActiveTexture(GL_TEXTURE0);
+    return Done{};
+}
+
+} // namespace lightloom

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "widgets/gl/mode_vdl.h"
+#include "widgets/gl/scene_buffers.h"
+#include "widgets/gl/shadow_maps.h"
+#include <optional>
+
+namespace lightloom {
+
+/// What the viewport shows of the scene.
+enum class ViewMode {
+    octree, ///< direct light of the lamps and indirect light of the bake
+    direct, ///< direct light only
+    plain   ///< form without light: base colour times the cosine towards the camera
+};
+
+struct FrameView {
+    glm::mat4 view{1.0f}, projection{1.0f};
+    glm::vec3 eye{0.0f};
+    ViewMode mode = ViewMode::octree;
+    bool indirectOnly = false;  ///< octree mode without lamps and glow
+    float exposureEv = 10.0f;   ///< at ISO 100
+    int tone = 1;               ///< kToneNone, kToneSoft
+    glm::vec3 background{0.2f}; ///< as shown, not linear
+};
+
+/// Draws a scene with its light. All calls with the context current; keeps no widget and no thread.
+class Renderer {
+public:
+    /// Error: shaders do not compile here.
+    [[nodiscard]] static Result<std::unique_ptr<Renderer>> make(Gl& gl);
+
+    /// Null empties the picture. The light of an earlier scene goes. Error: out of what the driver offers.
+    Result<Done> setScene(std::shared_ptr<const DrawData> data);
+    Result<Done> setOctree(const std::shared_ptr<const GpuOctree>& octree);
+    void setMix(const Mix& mix);
+
+    /// Draws picture number `sample` (0 begins anew) of those that are averaged, at `size` pixels, and shows the mean
+    /// stretched over `window` pixels of framebuffer `target`. Samples after the first are taken through pixels shifted
+    /// by less than half, so that edges smooth while the picture rests. Error: the driver refuses the buffers.
+    Result<Done> draw(const FrameView& frame, int sample, glm::ivec2 size, GLuint target, glm::ivec2 window);
+    /// Undrawn shadow maps for about `budgetMs`. True when all are there.
+    bool drawShadows(double budgetMs);
+    [[nodiscard]] int shadowLayersDrawn() const { return shadows_.layersDrawn(); }
+
+    struct SurfaceSample {
+        glm::vec3 position, normal; ///< scene space
+    };
+    /// Surface in the last picture at `at` (0 to 1, from the lower left). Reads one pixel back.
+    [[nodiscard]] std::optional<SurfaceSample> surfaceAt(glm::vec2 at) const;
+
+    /// For tests and measurements: lux (x, y, z) and 1 (w) per pixel of the last picture's surfaces, recomputed.
+    /// Rows from below. Indirect alone, or direct alone.
+    [[nodiscard]] std::vector<glm::vec4> illuminance(const FrameView& frame, bool indirect);
+    struct Pixels {
+        glm::ivec2 size{0};
+        std::vector<glm::vec4> position, normal, light; ///< w of position: 1 where there is a surface
+    };
+    [[nodiscard]] Pixels readBack() const;
+    /// Mean of log2 luminance (cd/m2) over lit pixels of the last picture; nothing where all is dark.
+    [[nodiscard]] std::optional<float> meanLogLuminance() const;
+
+    [[nodiscard]] std::size_t sceneBytes() const { return scene_ ? scene_->bytes() : 0; }
+
+private:
+    explicit Renderer(Gl& gl) : gl_(gl), shadows_(gl), empty_(gl) {}
+    Result<Done> linkPrograms();
+    void drawSurfaces(const FrameView& frame, glm::vec2 shift);
+    void drawLight(const FrameView& frame);
+    void drawDirect(const FrameView& frame, int lights, float emissionScale, bool showIlluminance);
+    void addToSum(bool first);
+
+    Gl& gl_;
+    GlProgram surfaceProgram_, shadowProgram_, directProgram_, plainProgram_, postProgram_, copyProgram_;
+    std::unique_ptr<ModeVdl> vdl_;
+    ShadowMaps shadows_;
+    GlVertexArray empty_;
+    std::optional<SceneBuffers> scene_;
+    std::optional<GBuffer> buffers_;
+    float emissionScale_ = 1.0f;
+};
+
+} // namespace lightloom

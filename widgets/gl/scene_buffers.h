@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "widgets/gl/draw_data.h"
+#include "widgets/gl/gl_objects.h"
+#include <map>
+
+namespace lightloom {
+
+/// A scene's triangles and textures on the GPU. Lives with the context current.
+class SceneBuffers {
+public:
+    SceneBuffers(Gl& gl, std::shared_ptr<const DrawData> data);
+
+    /// Draws every instance with `program` (scene.vert or shadow.vert), which is in use and has its view set.
+    /// `surfaces`: materials with all textures and back faces culled where the material is single-sided; otherwise
+    /// only what an alpha test needs, and both faces. Emission is divided by `emissionScale`.
+    void draw(const GlProgram& program, bool surfaces, float emissionScale) const;
+
+    [[nodiscard]] const DrawData& data() const { return *data_; }
+    [[nodiscard]] std::size_t bytes() const { return bytes_; }
+
+private:
+    void uploadTextures();
+    GLuint textureOf(const Texture& texture, bool srgb);
+    void setMaterial(const GlProgram& program, std::size_t index, bool surfaces, float emissionScale) const;
+
+    struct MaterialTextures {
+        GLuint base = 0, material = 0, normal = 0, emission = 0;
+    };
+    Gl& gl_;
+    std::shared_ptr<const DrawData> data_;
+    GlVertexArray array_;
+    GlBuffer vertices_, indices_;
+    GlTexture white_;
+    std::vector<GlTexture> textures_;
+    std::map<std::string, GLuint> byUse_; ///< one texture per image, colour space and sampler
+    std::vector<MaterialTextures> materials_;
+    std::size_t bytes_ = 0;
+};
+
+} // namespace lightloom
