@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/trace/light_sampler.h"
 #include "core/base/sampling.h"
+#include "core/trace/emission_mean.h"
 #include "core/trace/material.h"
+#include "core/trace/spot_cone.h"
 #include <algorithm>
 #include <cmath>
 
@@ -15,43 +17,6 @@ constexpr double kEvenShare = 0.1;
 constexpr double kMostLookups = 4e6;
 /// Below this cosine a patch counts as seen edge-on: nothing comes from it and no density stays finite.
 constexpr float kLeastCosine = 1e-6f;
-
-/// A spot's cone. 1 - cos by the half angle: narrow spots would lose it to rounding.
-struct Cone {
-    double inner = 0.0, outer = 0.0; // 1 - cos of the cones' half angles
-
-    Cone() = default;
-    explicit Cone(const PunctualLight& light)
-        : inner(oneMinusCos(std::min(light.innerCone, light.outerCone))), outer(oneMinusCos(light.outerCone))
-    {
-    }
-    static double oneMinusCos(float angle)
-    {
-        const double s = std::sin(0.5 * glm::clamp(static_cast<double>(angle), 0.0, kPiD));
-        return 2.0 * s * s;
-    }
-    [[nodiscard]] double rim() const { return outer - inner; }
-    [[nodiscard]] float falloff(float cosAngle) const
-    {
-        const double off = 1.0 - static_cast<double>(cosAngle);
-        if (off <= inner) return 1.0f;
-        if (off >= outer) return 0.0f; // also when the cones coincide: no rim to divide by
-        const double t = (outer - off) / rim();
-        return static_cast<float>(t * t);
-    }
-    /// Integral of the fall-off over the sphere, sr: the inner cap, and the rim's squared ramp in the cosine.
-    [[nodiscard]] double solidAngle() const { return 2.0 * kPiD * (inner + rim() / 3.0); }
-    /// A direction around +z in proportion to the fall-off.
-    [[nodiscard]] glm::vec3 sample(double u1, double u2) const
-    {
-        const double total = inner + rim() / 3.0, at = u1 * total;
-        double off = at;
-        if (at > inner) off = outer - rim() * std::cbrt((total - at) / (rim() / 3.0));
-        const double r = std::sqrt(std::max(0.0, off * (2.0 - off))), phi = 2.0 * kPiD * u2;
-        return {static_cast<float>(r * std::cos(phi)), static_cast<float>(r * std::sin(phi)),
-                static_cast<float>(1.0 - off)};
-    }
-};
 
 /// First entry of a rising sum that exceeds `at`, and how far `at` lies within it, in [0,1).
 struct Pick {
@@ -90,42 +55,6 @@ struct Shape {
     [[nodiscard]] double area() const { return areas.empty() ? 0.0 : areas.back(); }
 };
 
-/// Texels of the emission texture that a triangle covers.
-double texelsOn(const RayScene& rays, std::uint32_t triangle)
-{
-    const Texture& texture = rays.material(triangle).emissionTexture;
-    const SceneTriangle& t = rays.triangle(triangle);
-    const Scene& scene = rays.scene();
-    const Mesh& mesh = scene.meshes[static_cast<std::size_t>(scene.instances[t.instance].mesh)];
-    const auto& uv = mesh.uv[texture.uvSet == 1 ? 1 : 0];
-    if (!texture.isSet() || uv.empty()) return 0.0;
-    const Image& image = scene.images[static_cast<std::size_t>(texture.image)];
-    const glm::uvec3 v = mesh.triangles[t.indexInMesh];
-    const glm::dvec2 size = glm::dvec2(texture.scale) * glm::dvec2(image.width, image.height);
-    const glm::dvec2 e1 = glm::dvec2(uv[v.y] - uv[v.x]) * size, e2 = glm::dvec2(uv[v.z] - uv[v.x]) * size;
-    const double texels = 0.5 * std::abs(e1.x * e2.y - e1.y * e2.x);
-    return std::isfinite(texels) ? texels : 0.0;
-}
-
-/// Mean emission of a triangle: at the centroids of the n^2 like triangles it falls into, some four to a texel's width,
-/// at most `most` lookups. Photons look up their own point, so what this misses shifts only who is picked how often.
-glm::dvec3 meanEmission(const RayScene& rays, std::uint32_t triangle, double most)
-{
-    const double texels = texelsOn(rays, triangle);
-    if (texels == 0.0) return glm::dvec3(emissionAt(rays, triangle, glm::vec2(1.0f / 3.0f)));
-    const int n = static_cast<int>(std::ceil(std::sqrt(glm::clamp(32.0 * texels, 4.0, most))));
-    const float step = 1.0f / static_cast<float>(n);
-    glm::dvec3 sum(0.0);
-    for (int i = 0; i < n; ++i) {
-        for (int j = 0; i + j < n; ++j) {
-            const glm::vec2 cell(static_cast<float>(i), static_cast<float>(j));
-            sum += glm::dvec3(emissionAt(rays, triangle, (cell + 1.0f / 3.0f) * step));
-            if (i + j + 1 < n) sum += glm::dvec3(emissionAt(rays, triangle, (cell + 2.0f / 3.0f) * step));
-        }
-    }
-    return sum / (static_cast<double>(n) * n);
-}
-
 double luminous(glm::dvec3 c)
 {
     return static_cast<double>(kLumaR) * c.x + static_cast<double>(kLumaG) * c.y + static_cast<double>(kLumaB) * c.z;
@@ -146,7 +75,7 @@ struct LightSampler::State {
     std::vector<Emitter> emitters;
     std::vector<glm::dvec3> flux; // as Emitter::flux
     std::vector<Shape> shapes;    // by emitter, empty for punctual lights
-    std::vector<Cone> cones;      // by emitter, spots only
+    std::vector<SpotCone> cones;  // by emitter, spots only
     std::vector<Dealer> groups;
     std::vector<int> emitterOfInstance;
     glm::vec3 centre{0.0f}; // of a sphere around the scene, for directional lights
@@ -160,9 +89,9 @@ struct LightSampler::State {
     {
         return rays->scene().lights[static_cast<std::size_t>(e.light)];
     }
-    void emitPunctual(const Emitter& e, const Cone& cone, Rng& rng, EmittedPhoton& out) const;
+    void emitPunctual(const Emitter& e, const SpotCone& cone, Rng& rng, EmittedPhoton& out) const;
     void emitSurface(const Shape& shape, Rng& rng, EmittedPhoton& out) const;
-    bool samplePunctual(const Emitter& e, const Cone& cone, glm::vec3 p, LightSample& out) const;
+    bool samplePunctual(const Emitter& e, const SpotCone& cone, glm::vec3 p, LightSample& out) const;
     bool sampleSurface(const Shape& shape, glm::vec3 p, glm::vec2 u, LightSample& out) const;
 };
 
@@ -186,10 +115,10 @@ void LightSampler::State::addPunctual(int index)
     e.light = index;
     e.centre = l.position;
     double solidAngle = 4.0 * kPiD;
-    Cone cone;
+    SpotCone cone;
     if (l.kind == PunctualLight::Kind::spot) {
         e.kind = Emitter::Kind::spot;
-        cone = Cone(l);
+        cone = SpotCone(l);
         solidAngle = cone.solidAngle();
     } else if (l.kind == PunctualLight::Kind::directional) {
         e.kind = Emitter::Kind::directional;
@@ -262,7 +191,7 @@ void LightSampler::State::deal()
     }
 }
 
-void LightSampler::State::emitPunctual(const Emitter& e, const Cone& cone, Rng& rng, EmittedPhoton& out) const
+void LightSampler::State::emitPunctual(const Emitter& e, const SpotCone& cone, Rng& rng, EmittedPhoton& out) const
 {
     const PunctualLight& l = light(e);
     const float u1 = rng.uniform(), u2 = rng.uniform();
@@ -300,7 +229,7 @@ void LightSampler::State::emitSurface(const Shape& shape, Rng& rng, EmittedPhoto
     out.flux = glm::vec3(glm::dvec3(emissionAt(*rays, triangle, b)) * lumenPerNit);
 }
 
-bool LightSampler::State::samplePunctual(const Emitter& e, const Cone& cone, glm::vec3 p, LightSample& out) const
+bool LightSampler::State::samplePunctual(const Emitter& e, const SpotCone& cone, glm::vec3 p, LightSample& out) const
 {
     const PunctualLight& l = light(e);
     if (e.kind == Emitter::Kind::directional) {
@@ -406,6 +335,6 @@ int LightSampler::emitterOf(std::uint32_t triangle) const
     return state_->emitterOfInstance[state_->rays->triangle(triangle).instance];
 }
 
-float spotFalloff(const PunctualLight& light, float cosAngle) { return Cone(light).falloff(cosAngle); }
+float spotFalloff(const PunctualLight& light, float cosAngle) { return SpotCone(light).falloff(cosAngle); }
 
 } // namespace lightloom
