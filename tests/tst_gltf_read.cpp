@@ -3,7 +3,9 @@
 // exactly, and what we do not support is said once.
 #include "core/base/atomic_file.h"
 #include "core/scene/gltf_reader.h"
+#include "core/scene/gltf_writer.h"
 #include "core/scene/image_decode.h"
+#include "core/scene/sample_scenes.h"
 #include "tests/gltf_builder.h"
 #include <QTemporaryDir>
 #include <QtTest>
@@ -53,6 +55,11 @@ double worst(const std::vector<glm::dvec3>& a, const std::vector<glm::dvec3>& b)
     double most = 0;
     for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, glm::length(a[i] - b[i]));
     return most;
+}
+
+std::string groupOf(const Scene& scene, int group)
+{
+    return group < 0 ? std::string() : scene.groups[static_cast<std::size_t>(group)].id;
 }
 
 const std::vector<glm::vec3> kSquare{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
@@ -503,6 +510,74 @@ private Q_SLOTS:
             if (level == LogLevel::warning) logged.push_back(line);
         }));
         QCOMPARE(logged.size(), scene->warnings.size());
+    }
+
+    void whatWeWriteComesBack_data()
+    {
+        QTest::addColumn<QString>("name");
+        for (const std::string_view name : kSampleSceneNames) {
+            const auto text = QString::fromUtf8(name.data(), static_cast<qsizetype>(name.size()));
+            QTest::newRow(qPrintable(text)) << text;
+        }
+    }
+    void whatWeWriteComesBack()
+    {
+        QFETCH(QString, name);
+        const Result<Scene> scene = sampleScene(name.toStdString());
+        QVERIFY(scene);
+        const auto bytes = gltfBytes(*scene);
+        QVERIFY(bytes);
+        const auto read = readScene(*bytes, ".");
+        QVERIFY2(read, read ? "" : read.error().message.c_str());
+        Scene a = *scene, b = **read;
+        for (Scene* s : {&a, &b}) { // the file orders by its node tree
+            std::stable_sort(s->instances.begin(), s->instances.end(),
+                             [](const Instance& x, const Instance& y) { return x.node < y.node; });
+            std::stable_sort(s->lights.begin(), s->lights.end(),
+                             [](const PunctualLight& x, const PunctualLight& y) { return x.node < y.node; });
+        }
+        const double error = worst(corners(a), corners(b));
+        QVERIFY2(error <= 1e-6 * static_cast<double>(a.bounds.diagonal()),
+                 qPrintable(QString("off by %1 m").arg(error)));
+        QVERIFY2(b.warnings.empty(), b.warnings.empty() ? "" : b.warnings[0].c_str());
+        QCOMPARE(b.groups.size(), a.groups.size());
+        QCOMPARE(b.instances.size(), a.instances.size());
+        for (std::size_t i = 0; i < a.instances.size(); ++i) {
+            QCOMPARE(b.instances[i].node, a.instances[i].node);
+            QVERIFY(groupOf(b, b.instances[i].group) == groupOf(a, a.instances[i].group));
+            const auto material = [&](const Scene& s) -> const Material& {
+                const Mesh& mesh = s.meshes[static_cast<std::size_t>(s.instances[i].mesh)];
+                return s.materials[static_cast<std::size_t>(mesh.material)];
+            };
+            const Material &x = material(a), &y = material(b);
+            QCOMPARE(y.name, x.name);
+            QVERIFY(glm::length(y.baseColor - x.baseColor) <= 1e-6f && glm::abs(y.metallic - x.metallic) <= 1e-6f);
+            QVERIFY(glm::abs(y.roughness - x.roughness) <= 1e-6f && y.doubleSided == x.doubleSided);
+            QVERIFY(glm::length(y.emission - x.emission) <= 1e-6f * glm::length(x.emission));
+            QCOMPARE(y.baseColorTexture.isSet(), x.baseColorTexture.isSet());
+        }
+        QCOMPARE(b.lights.size(), a.lights.size());
+        for (std::size_t i = 0; i < a.lights.size(); ++i) {
+            QVERIFY(b.lights[i].kind == a.lights[i].kind && b.lights[i].node == a.lights[i].node);
+            QVERIFY(groupOf(b, b.lights[i].group) == groupOf(a, a.lights[i].group));
+            QVERIFY(glm::length(b.toFile(b.lights[i].position) - a.toFile(a.lights[i].position)) <= 1e-5);
+            QVERIFY(glm::length(b.lights[i].travel - a.lights[i].travel) <= 1e-5f ||
+                    a.lights[i].kind == PunctualLight::Kind::point);
+            QVERIFY(glm::length(b.lights[i].intensity - a.lights[i].intensity) <=
+                    1e-6f * glm::length(a.lights[i].intensity));
+        }
+        QCOMPARE(b.cameras.size(), a.cameras.size());
+        for (std::size_t i = 0; i < a.cameras.size(); ++i) {
+            QCOMPARE(b.cameras[i].name, a.cameras[i].name);
+            const glm::vec3 ahead(0, 0, -1);
+            QVERIFY(glm::length(b.cameras[i].orientation * ahead - a.cameras[i].orientation * ahead) <= 1e-5f);
+        }
+        QVERIFY(b.exposureEv == a.exposureEv);
+        QVERIFY(b.images.size() == a.images.size());
+        for (std::size_t i = 0; i < b.images.size(); ++i) {
+            const auto same = [&](const Image& image) { return image.rgba == b.images[i].rgba; };
+            QVERIFY(std::any_of(a.images.begin(), a.images.end(), same));
+        }
     }
 
     void filesByOthers_data()

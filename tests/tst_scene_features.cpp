@@ -73,7 +73,7 @@ private Q_SLOTS:
         QCOMPARE(mixed.bodies, 3u);
         QCOMPARE(mixed.closedBodies, 1u);
         QVERIFY(mixed.isWatertight && !*mixed.isWatertight);
-        QVERIFY(says(mixed, "open"));
+        QVERIFY(says(mixed, "do not close"));
         const SceneFeatures furnace = findFeatures(furnaceBox(0.5f));
         QVERIFY(furnace.isWatertight && *furnace.isWatertight);
         QVERIFY(says(furnace, "no light escapes"));

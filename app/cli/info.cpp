@@ -113,7 +113,10 @@ void printSurfaces(const SceneFeatures& f)
 void printLight(const Scene& scene, const SceneFeatures& f)
 {
     if (f.pointLamps + f.spotLamps > 0) {
-        line("Lamps", fmt::format("{} point, {} spot{}", f.pointLamps, f.spotLamps,
+        std::vector<std::string> kinds;
+        if (f.pointLamps > 0) kinds.push_back(fmt::format("{} point", f.pointLamps));
+        if (f.spotLamps > 0) kinds.push_back(fmt::format("{} spot", f.spotLamps));
+        line("Lamps", fmt::format("{}{}", fmt::join(kinds, ", "),
                                   f.candela ? ": " + rangeText(*f.candela, "cd") : ", all dark"));
     }
     if (f.suns > 0) line("Suns", fmt::format("{}{}", f.suns, f.lux ? ": " + rangeText(*f.lux, "lux") : ", all dark"));

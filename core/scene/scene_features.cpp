@@ -168,7 +168,7 @@ std::vector<std::string> consequences(const SceneFeatures& f)
     say(f.groups > 1, fmt::format("{} light groups: {} layers, each dimmed without a new bake.", f.groups, f.groups));
     say(f.glowingInstances == 0 && f.emitters() > 0, "No glowing surfaces: direct light needs no area sampling.");
     say(f.isWatertight == true, "The scene is closed: no light escapes.");
-    say(f.isWatertight == false, "The scene is open: light that leaves it is gone.");
+    say(f.isWatertight == false, "The surfaces do not close edge to edge: light that finds a way out is gone.");
     if (const auto& wall = f.walls.thinnest) {
         const float longest = f.bounds.longestSide();
         const double cells = std::ceil(static_cast<double>(longest) / static_cast<double>(wall->thickness));
