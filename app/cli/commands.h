@@ -36,12 +36,15 @@ struct Context {
 /// Bake options as given, turned into parameters by `bakeParams`.
 struct BakeOptions {
     std::string preset = "preview";
+    bool isPresetGiven = false;   ///< asked for, not just the usual one
     std::vector<std::string> set; ///< NAME=VALUE
     std::optional<std::uint64_t> seed;
     std::optional<double> targetStderr;
     Isa isa = Isa::automatic;
 };
 [[nodiscard]] Result<BakeParams> bakeParams(const BakeOptions& options);
+/// The options other than the preset, on top of `from`.
+[[nodiscard]] Result<BakeParams> withOptions(BakeParams from, const BakeOptions& options);
 
 /// Prints `error` as one line on stderr and gives its exit code: bad, missing or unsupported input 3, not enough memory
 /// 4, cancelled 130, anything else 1.

@@ -152,7 +152,8 @@ int info(const Context& context, const std::string& file)
     if (!scene) return fail(scene.error());
     const SceneFeatures features = findFeatures(**scene);
     if (context.json) {
-        fmt::print("{}\n", asJson(file, **scene, features).dump(2));
+        fmt::print("{}\n",
+                   asJson(file, **scene, features).dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
         return kDone;
     }
     fmt::print("{}{}\n", file, (*scene)->name.empty() ? "" : fmt::format(" - {}", (*scene)->name));

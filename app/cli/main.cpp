@@ -4,6 +4,7 @@
 #include "app/cli/commands.h"
 #include "app/cli/interrupt.h"
 #include "app/cli/progress.h"
+#include "core/scene/sample_scenes.h"
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
@@ -67,6 +68,8 @@ struct Spoken {
     std::string isa = "auto", size = "800x600";
     std::string scene, output;
     std::uint64_t count = 0;
+    std::string sampleName;
+    std::optional<std::uint64_t> triangles;
     cli::ProbeCommand probe;
     cli::RenderCommand render;
     cli::CompareCommand compare;
@@ -81,11 +84,13 @@ public:
         app_.footer("lightloom-cli COMMAND --help tells more. Exit codes: 0 done, 1 failed, 2 usage, 3 bad input, "
                     "4 would not fit in memory, 130 interrupted.");
         addGlobals();
+        addInfo();
         addPoints();
         addProbe();
         addRender();
         addCompare();
         addParams();
+        addMakeScene();
     }
 
     /// The chosen command, or an exit code when there is nothing to run (help, version, wrong usage).
@@ -123,12 +128,12 @@ private:
         app_.add_flag("--json", context.json, "Results for programs, on stdout");
     }
 
-    static void addChoice(CLI::App& to, const std::string& name, std::string& value,
-                          const std::vector<std::string>& choices, const std::string& help)
+    static CLI::Option* addChoice(CLI::App& to, const std::string& name, std::string& value,
+                                  const std::vector<std::string>& choices, const std::string& help)
     {
         std::string all;
         for (const std::string& choice : choices) all += (all.empty() ? "" : "|") + choice;
-        to.add_option(name, value, help)->option_text(all)->check([choices, all](const std::string& text) {
+        return to.add_option(name, value, help)->option_text(all)->check([choices, all](const std::string& text) {
             return std::ranges::find(choices, text) == choices.end() ? text + " is none of " + all : std::string();
         });
     }
@@ -155,10 +160,17 @@ private:
 
     void addMethod(CLI::App& to, std::string& method) { addChoice(to, "--method", method, texts(kMethodNames), "How"); }
 
+    static void addBake(CLI::App& to, std::string& file)
+    {
+        to.add_option("--bake", file, "A finished bake of the scene, instead of a new one; --method may be left out")
+            ->option_text("BAKE.vdb");
+    }
+
     void addBakeOptions(CLI::App& to)
     {
         cli::BakeOptions& o = spoken_.bakeOptions;
-        addChoice(to, "--preset", o.preset, texts(kPresetNames), "All parameters at once, by purpose");
+        addChoice(to, "--preset", o.preset, texts(kPresetNames), "All parameters at once, by purpose")
+            ->each([&o](const std::string&) { o.isPresetGiven = true; });
         to.add_option("--set", o.set, "One parameter; see lightloom-cli params. May be repeated")
             ->allow_extra_args(false)
             ->option_text("NAME=VALUE");
@@ -173,6 +185,12 @@ private:
         options.seed = spoken_.context.seed;
         options.isa = named<Isa>(kIsaNames, spoken_.isa);
         return options;
+    }
+
+    void addInfo()
+    {
+        addSceneCommand("info", "What a scene holds, and what follows from it for a bake",
+                        [this] { return cli::info(spoken_.context, spoken_.scene); });
     }
 
     void addPoints()
@@ -195,6 +213,7 @@ private:
             return cli::probe(spoken_.context, spoken_.probe);
         });
         addMethod(*command, spoken_.probe.method);
+        addBake(*command, spoken_.probe.bakeFile);
         command->add_option("--points", spoken_.probe.points, "Where: x,y,z,nx,ny,nz")->required()->option_text("FILE");
         addBakeOptions(*command);
         addOutput(*command, "RESULT.csv; standard output without");
@@ -211,6 +230,7 @@ private:
             return cli::render(spoken_.context, spoken_.render);
         });
         addMethod(*command, r.method);
+        addBake(*command, r.bakeFile);
         command->add_option("--camera", r.camera, "Name or number from 0; the first without")
             ->option_text("NAME|INDEX");
         command->add_option("--size", spoken_.size, "Pixels, 800x600 without")
@@ -232,6 +252,18 @@ private:
     {
         addCommand("params", "List every bake parameter: name, default, range, meaning",
                    [this] { return cli::params(spoken_.context); });
+    }
+
+    void addMakeScene()
+    {
+        CLI::App* command = addCommand("make-scene", "Write one of the sample scenes as glTF", [this] {
+            return cli::makeScene(spoken_.context, spoken_.sampleName, spoken_.triangles, spoken_.output);
+        });
+        addChoice(*command, "NAME", spoken_.sampleName, texts(kSampleSceneNames), "Which")->required();
+        command->add_option("--triangles", spoken_.triangles, "Size of figure; others have one size")
+            ->check(CLI::Range(kLeastFigureTriangles, kMostFigureTriangles))
+            ->option_text("N");
+        addOutput(*command, "OUT.glb")->required();
     }
 
     void addCompare()

@@ -23,7 +23,7 @@ int makeScene(const Context& context, const std::string& name, std::optional<std
                     scene->cameras.size(), output));
     if (context.json) {
         const nlohmann::json report{{"scene", name}, {"triangles", count}, {"file", output}};
-        fmt::print("{}\n", report.dump(2));
+        fmt::print("{}\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
     }
     return kDone;
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/cli/methods.h"
 #include "app/cli/progress.h"
+#include "core/bake/bake_file.h"
+#include "core/octree/light_octree.h"
 #include "core/octree/octree_solver.h"
 #include "core/photonmap/photon_map_solver.h"
 #include "core/photonmap/photon_products.h"
@@ -42,6 +44,43 @@ Result<Done> bakeNow(const Context& context, const LightingRequest& request, dou
     return Done{};
 }
 
+/// Options may change how a finished bake is shown, not what it is.
+Result<BakeParams> shownWith(const BakeParams& baked, const BakeOptions& options, Method method)
+{
+    if (options.isPresetGiven) {
+        return Error{Error::Kind::badInput, "--preset cannot change a finished bake; leave it or --bake out"};
+    }
+    const Result<BakeParams> asked = withOptions(baked, options);
+    if (!asked) return asked;
+    for (const ParamSpec& spec : kParams) {
+        const bool counts = (spec.methods & (1u << static_cast<unsigned>(method))) != 0 && spec.redo != Stage::show;
+        if (!counts || paramValue(baked, spec) == paramValue(*asked, spec)) continue;
+        return Error{Error::Kind::badInput,
+                     fmt::format("{0}={1} was asked for, the bake was made with {0}={2}; bake anew", spec.key,
+                                 paramText(*asked, spec), paramText(baked, spec))};
+    }
+    return asked;
+}
+
+Result<Done> readBaked(const Context& context, const LightingRequest& request, Lighting& lighting)
+{
+    Result<LitScene> lit = readLitScene(context, request.scene, request.options.isa);
+    if (!lit) return lit.error();
+    lighting.lit = *std::move(lit);
+    const Result<BakeFile> file = readBake(request.bakeFile, *lighting.lit.scene);
+    if (!file) return file.error();
+    lighting.method = file->info.method;
+    lighting.field = file->octree;
+    if (!request.method.empty() && request.method != methodName(lighting.method)) {
+        return Error{Error::Kind::badInput, fmt::format("{} was made with {}, not {}", request.bakeFile,
+                                                        methodName(lighting.method), request.method)};
+    }
+    const Result<BakeParams> params = shownWith(file->info.params, request.options, lighting.method);
+    if (!params) return params.error();
+    lighting.params = *params;
+    return Done{};
+}
+
 } // namespace
 
 Result<LitScene> readLitScene(const Context& context, const std::string& path, Isa isa)
@@ -55,22 +94,29 @@ Result<LitScene> readLitScene(const Context& context, const std::string& path, I
 
 Result<Done> checkRequest(const LightingRequest& request)
 {
-    if (request.method.empty()) {
+    if (request.method.empty() && request.bakeFile.empty()) {
         return Error{Error::Kind::badInput,
                      "say with what: --method " + std::string(kMethodNames[0]) + ", for example"};
     }
-    if (const Result<Method> method = methodNamed(request.method); !method) return method.error();
+    if (!request.method.empty()) {
+        if (const Result<Method> method = methodNamed(request.method); !method) return method.error();
+    }
     if (const Result<BakeParams> params = bakeParams(request.options); !params) return params.error();
     return Done{};
 }
 
 Result<Lighting> prepareLighting(const Context& context, const LightingRequest& request, double bakeShare)
 {
+    Lighting lighting;
+    if (!request.bakeFile.empty()) {
+        const Result<Done> read = readBaked(context, request, lighting);
+        if (!read) return read.error();
+        return lighting;
+    }
     const Result<Method> method = methodNamed(request.method);
     if (!method) return method.error();
     const Result<BakeParams> params = bakeParams(request.options);
     if (!params) return params.error();
-    Lighting lighting;
     lighting.method = *method;
     lighting.params = *params;
     if (*method == Method::lightOctree || *method == Method::photonMap) {

@@ -8,7 +8,13 @@ namespace lightloom::cli {
 
 Result<BakeParams> bakeParams(const BakeOptions& options)
 {
-    Result<BakeParams> params = preset(options.preset);
+    const Result<BakeParams> params = preset(options.preset);
+    return params ? withOptions(*params, options) : params;
+}
+
+Result<BakeParams> withOptions(BakeParams from, const BakeOptions& options)
+{
+    Result<BakeParams> params = from;
     for (const std::string& assignment : options.set) {
         if (params) params = withAssignment(*params, assignment);
     }
