@@ -91,7 +91,8 @@ private Q_SLOTS:
 
     void heavyHeadersStayInSources()
     {
-        static const QRegularExpression heavy("^(openvdb/|CLI/|nlohmann/json\\.hpp|tiny_gltf|embree3/|QtWidgets$|QtGui$)");
+        static const QRegularExpression heavy(
+            "^(openvdb/|CLI/|nlohmann/json\\.hpp|tiny_gltf|embree3/|QtWidgets$|QtGui$)");
         for (const QString& path : sources("core") + sources("widgets") + sources("app")) {
             if (!path.endsWith(".h")) continue;
             for (const QString& included : includes(path)) {

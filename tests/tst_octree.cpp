@@ -9,11 +9,14 @@
 #include "core/scene/analytic_scenes.h"
 #include "core/scene/sample_scenes.h"
 #include "core/scene/scene_builder.h"
+#include "tests/bake_helpers.h"
 #include <QtTest>
 #include <cmath>
 #include <cstring>
 
 using namespace lightloom;
+
+using test::share;
 
 namespace {
 
@@ -27,24 +30,14 @@ struct Baked {
 Baked bake(std::shared_ptr<const Scene> scene, const BakeParams& params, int threads = 2, Mix mix = {},
            BakeProducts* kept = nullptr)
 {
-    Workers workers(threads);
+    OctreeSolver solver;
     BakeProducts own;
-    BakeProducts& products = kept ? *kept : own;
-    products.beginRound();
-    Baked result;
-    BakeControl control(workers, {[&](Snapshot s) {
-                                      result.octree = std::static_pointer_cast<const LightOctree>(s.field);
-                                      result.levels.push_back(s.level);
-                                  },
-                                  {}});
-    BakeJob job{std::move(scene), params, std::move(mix)};
-    const Result<Done> done = OctreeSolver().bake(job, products, control);
-    if (!done) result.error = done.error().message;
-    result.counters = products.counters;
+    const test::Baked all =
+        test::runSolver(solver, {std::move(scene), params, std::move(mix)}, kept ? *kept : own, threads);
+    Baked result{all.octree(), {}, all.counters, all.error};
+    for (const Snapshot& snapshot : all.snapshots) result.levels.push_back(snapshot.level);
     return result;
 }
-
-std::shared_ptr<const Scene> share(Scene scene) { return std::make_shared<const Scene>(std::move(scene)); }
 
 /// Area-weighted mean over entries of the light on their own normals.
 double meanIlluminance(const LightOctree& octree)
@@ -139,7 +132,7 @@ private Q_SLOTS:
         double first = 0.0;
         for (int k = 1; k <= 8; ++k) {
             BakeParams params;
-            params.octreeFirstDepth = params.octreeDepth = 5;
+            params.octreeFirstDepth = params.octreeDepth = 4;
             params.vdlCount = k;
             const Baked baked = bake(scene, params, 2, {}, &kept);
             QVERIFY2(baked.octree, baked.error.c_str());

@@ -1,0 +1,305 @@
+// SPDX-License-Identifier: Apache-2.0
+// Claims, line by line after the list of extremes: whatever the scene and parameters, results are finite and not
+// negative, energy is right, nothing hangs. Photon methods: light-octree and photon-map.
+#include "core/bake/gpu_layout.h"
+#include "core/base/units.h"
+#include "core/photonmap/photon_map_solver.h"
+#include "core/photonmap/photon_products.h"
+#include "core/scene/analytic_scenes.h"
+#include "core/scene/sample_scenes.h"
+#include "core/scene/scene_builder.h"
+#include "tests/bake_helpers.h"
+#include <QtTest>
+#include <cmath>
+
+using namespace lightloom;
+using test::share;
+
+namespace {
+
+BakeParams quick()
+{
+    BakeParams params;
+    params.photonCount = 20'000;
+    params.gatherCount = 50;
+    params.octreeDepth = 5;
+    return params;
+}
+
+/// Every VDL and every lookup finite and not negative; the GPU form can be made.
+void checkSound(const test::Baked& baked)
+{
+    QVERIFY2(baked.error.empty(), baked.error.c_str());
+    const auto octree = baked.octree();
+    QVERIFY(octree);
+    for (const auto& layer : octree->layers()) {
+        if (!layer) continue;
+        for (const Vdl& v : layer->vdls) {
+            for (int c = 0; c < 3; ++c) QVERIFY(std::isfinite(v.colour[c]) && v.colour[c] >= 0.0f);
+            QVERIFY(std::abs(glm::length(v.toLight) - 1.0f) <= 1e-4f);
+        }
+    }
+    for (const OctreeEntry& e : octree->geometry().entries) {
+        const glm::vec3 lux = octree->irradiance(e.centroid, e.normal);
+        for (int c = 0; c < 3; ++c) QVERIFY(std::isfinite(lux[c]) && lux[c] >= 0.0f);
+    }
+    const auto gpu = makeGpuOctree(*octree);
+    QVERIFY2(static_cast<bool>(gpu), gpu ? "" : gpu.error().message.c_str());
+    const Ledger& ledger = baked.counters.ledger;
+    for (int c = 0; c < 3; ++c) {
+        QVERIFY2(std::abs(ledger.missing()[c]) <= 1e-9 * ledger.emitted[c],
+                 qPrintable(QString::number(ledger.missing()[c])));
+    }
+}
+
+double meanLux(const test::Baked& baked)
+{
+    const auto octree = baked.octree();
+    double sum = 0.0, area = 0.0;
+    for (const OctreeEntry& e : octree->geometry().entries) {
+        sum += static_cast<double>(e.area) * static_cast<double>(luminance(octree->irradiance(e.centroid, e.normal)));
+        area += static_cast<double>(e.area);
+    }
+    return area > 0.0 ? sum / area : 0.0;
+}
+
+Scene scaled(Scene scene, float factor)
+{
+    for (Instance& instance : scene.instances) {
+        for (int c = 0; c < 4; ++c)
+            instance.toWorld[c] = glm::vec4(glm::vec3(instance.toWorld[c]) * factor, instance.toWorld[c].w);
+    }
+    for (PunctualLight& light : scene.lights) light.position *= factor;
+    finishScene(scene, {});
+    return scene;
+}
+
+} // namespace
+
+class ExtremesTest : public QObject {
+    Q_OBJECT
+private Q_SLOTS:
+    void noLights()
+    {
+        Scene scene = cornellBox();
+        for (Material& m : scene.materials) m.emission = glm::vec3(0.0f);
+        finishScene(scene, {});
+        const test::Baked baked = test::bakeOctree(share(scene), quick());
+        checkSound(baked);
+        QCOMPARE(baked.counters.photonsShot, std::uint64_t(0));
+        QCOMPARE(baked.counters.raysTraced, std::uint64_t(0));
+        QCOMPARE(meanLux(baked), 0.0);
+    }
+
+    void everyLampOff()
+    {
+        const test::Baked baked = test::bakeOctree(share(cornellBox()), quick(), 2, {glm::vec3(0.0f)});
+        checkSound(baked);
+        QCOMPARE(baked.counters.photonsShot, std::uint64_t(0));
+        QCOMPARE(baked.counters.groupsOff, std::uint64_t(1));
+        QCOMPARE(baked.counters.gathers, std::uint64_t(0));
+    }
+
+    void fewPhotons_data()
+    {
+        QTest::addColumn<int>("photons");
+        QTest::addColumn<int>("k");
+        QTest::newRow("none") << 0 << 50;
+        QTest::newRow("one") << 1 << 50;
+        QTest::newRow("K - 1") << 49 << 50;
+        QTest::newRow("K far above the count") << 1000 << 100'000;
+        QTest::newRow("K = 1") << 20'000 << 1;
+    }
+    void fewPhotons()
+    {
+        QFETCH(int, photons);
+        QFETCH(int, k);
+        BakeParams params = quick();
+        params.photonCount = photons;
+        params.gatherCount = k;
+        const test::Baked baked = test::bakeOctree(share(cavityCube(0.5f)), params);
+        checkSound(baked);
+        QCOMPARE(baked.counters.photonsShot, static_cast<std::uint64_t>(photons));
+        PhotonMapSolver solver;
+        BakeProducts products;
+        const test::Baked map = test::runSolver(solver, {share(cavityCube(0.5f)), params, {}}, products);
+        const glm::vec3 lux = map.field->irradiance({0.0f, -2.0f, 0.0f}, {0, 1, 0});
+        QVERIFY(std::isfinite(lux.x) && lux.x >= 0.0f);
+    }
+
+    void everyPhotonOnOnePoint() // a needle-thin spot onto a floor under a black roof: all second hits in one place
+    {
+        SceneBuilder builder("needle");
+        const int white = builder.addMaterial("white", glm::vec3(0.8f));
+        builder.add("Box", boxMesh(glm::vec3(-1.0f), glm::vec3(1.0f), Facing::in), white);
+        builder.addSpot("Needle", {0, 0.9f, 0}, {0, -1.0f, 0}, glm::vec3(1000.0f), 0.0f, 1e-4f);
+        checkSound(test::bakeOctree(share(builder.finish()), quick()));
+    }
+
+    void oppositeDirections() // two lamps face to face light a sheet edge on from both sides
+    {
+        SceneBuilder builder("opposite");
+        const int white = builder.addMaterial("white", glm::vec3(0.8f));
+        builder.add("Box", boxMesh(glm::vec3(-1.0f), glm::vec3(1.0f), Facing::in), white);
+        builder.add("Sheet", quadMesh({-0.5f, 0, -0.5f}, {1, 0, 0}, {0, 0, 1}), white);
+        builder.addPoint("A", {-0.9f, 0, 0}, glm::vec3(10.0f), "both");
+        builder.addPoint("B", {0.9f, 0, 0}, glm::vec3(10.0f), "both");
+        const auto scene = share(builder.finish());
+        for (const int k : {1, 8}) {
+            BakeParams params = quick();
+            params.vdlCount = k;
+            checkSound(test::bakeOctree(scene, params));
+        }
+    }
+
+    void albedos_data()
+    {
+        QTest::addColumn<double>("rho");
+        for (const double rho : {0.0, 0.98, 1.0}) QTest::addRow("rho %g", rho) << rho;
+    }
+    void albedos()
+    {
+        QFETCH(double, rho);
+        BakeParams params = quick();
+        params.pathDepth = 100'000;
+        const auto scene = share(cavityCube(static_cast<float>(rho)));
+        const test::Baked baked = test::bakeOctree(scene, params);
+        checkSound(baked);
+        // 1 is taken as .99, and said so
+        QCOMPARE(scene->warnings.empty(), rho < 1.0);
+        const double used = std::min(rho, 0.99), truth = 1000.0 * used / (96.0 * (1.0 - used));
+        // 20,000 paths of geometric length: relative sigma sqrt(rho / n), 5 sigma
+        QVERIFY2(std::abs(meanLux(baked) - truth) <= truth * (0.02 + 5.0 * std::sqrt(used / 20'000.0)),
+                 qPrintable(QString("%1 of %2").arg(meanLux(baked)).arg(truth)));
+    }
+
+    void brokenTriangles() // without area, needles, doubled vertices and coplanar sheets
+    {
+        Scene scene = cavityCube(0.5f);
+        Mesh& mesh = scene.meshes[0];
+        const auto first = static_cast<unsigned>(mesh.positions.size());
+        for (const glm::vec3 p : {glm::vec3(0.0f), glm::vec3(0.0f), glm::vec3(1.0f), glm::vec3(1.0f, 1e-7f, 0.0f),
+                                  glm::vec3(-1.0f, 1e-7f, 0.0f), glm::vec3(0.5f, 0.5f, 0.5f)}) {
+            mesh.positions.push_back(p);
+            if (!mesh.normals.empty()) mesh.normals.push_back({0, 1, 0});
+        }
+        mesh.triangles.push_back({first, first + 1, first + 2});
+        mesh.triangles.push_back({first, first, first});
+        mesh.triangles.push_back({first + 3, first + 4, first});
+        const std::vector<glm::uvec3> copy = mesh.triangles; // every sheet twice
+        mesh.triangles.insert(mesh.triangles.end(), copy.begin(), copy.end());
+        finishScene(scene, {});
+        checkSound(test::bakeOctree(share(scene), quick()));
+    }
+
+    void thinWall() // far thinner than a cell: both sides keep their own light
+    {
+        SceneBuilder builder("thin wall");
+        const int white = builder.addMaterial("white", glm::vec3(0.5f));
+        builder.add("Box", boxMesh(glm::vec3(-1.0f), glm::vec3(1.0f), Facing::in), white);
+        builder.add("Wall", boxMesh({-0.001f, -1.0f, -1.0f}, {0.001f, 1.0f, 1.0f}, Facing::out), white);
+        builder.addPoint("Lamp", {0.5f, 0, 0}, glm::vec3(100.0f));
+        const test::Baked baked = test::bakeOctree(share(builder.finish()), quick());
+        checkSound(baked);
+        const glm::vec3 lit = baked.field->irradiance({0.001f, 0, 0}, {1, 0, 0});
+        const glm::vec3 dark = baked.field->irradiance({-0.001f, 0, 0}, {-1, 0, 0});
+        QVERIFY2(lit.x > 10.0f && dark.x <= 1e-3f * lit.x,
+                 qPrintable(QString("%1 | %2").arg(double(lit.x)).arg(double(dark.x))));
+    }
+
+    void flatScene()
+    {
+        SceneBuilder builder("flat");
+        builder.add("Floor", quadMesh({-1, 0, 1}, {2, 0, 0}, {0, 0, -2}),
+                    builder.addMaterial("white", glm::vec3(0.5f)));
+        builder.addPoint("Lamp", {0, 1, 0}, glm::vec3(100.0f));
+        const test::Baked baked = test::bakeOctree(share(builder.finish()), quick());
+        checkSound(baked);
+        QCOMPARE(meanLux(baked), 0.0); // nothing to bounce to
+    }
+
+    void sizes_data()
+    {
+        QTest::addColumn<double>("factor");
+        for (const double f : {1e-4, 1e-2, 1e3, 2.5e4}) QTest::addRow("x %g", f) << f;
+    }
+    void sizes() // E scales with 1 / factor^2 at equal flux
+    {
+        QFETCH(double, factor);
+        const double small = meanLux(test::bakeOctree(share(cavityCube(0.5f)), quick()));
+        const test::Baked baked =
+            test::bakeOctree(share(scaled(cavityCube(0.5f), static_cast<float>(factor))), quick());
+        checkSound(baked);
+        const double ratio = meanLux(baked) * factor * factor / small;
+        QVERIFY2(std::abs(ratio - 1.0) <= 0.01, qPrintable(QString::number(ratio)));
+    }
+
+    void lampsOfAllStrengths() // 1e-6 and 1e9 cd side by side, in one group and in two
+    {
+        for (const bool joined : {false, true}) {
+            Scene scene = cavityCube(0.5f, 1.0f);
+            PunctualLight strong = scene.lights[0], weak = scene.lights[0];
+            strong.intensity = glm::vec3(1e9f);
+            strong.position.x += 0.5f;
+            strong.node = "Strong";
+            weak.intensity = glm::vec3(1e-6f, 0.0f, 0.0f);
+            weak.node = "Weak";
+            scene.lights = {strong, weak};
+            std::vector<std::string> names(scene.instances.size(), "");
+            for (int i = 0; i < 2; ++i) names.emplace_back(joined ? "lamps" : "");
+            finishScene(scene, names);
+            const test::Baked baked = test::bakeOctree(share(scene), quick());
+            checkSound(baked);
+            if (!joined) {
+                const auto weakOnly = baked.field->withMix({glm::vec3(0.0f), glm::vec3(1.0f)});
+                const glm::vec3 lux = weakOnly->irradiance(scene.bounds.low + glm::vec3(2.0f, 0.0f, 2.0f), {0, 1, 0});
+                const double truth = 4.0 * M_PI * 1e-6 * 0.5 / (96.0 * 0.5);
+                QVERIFY2(std::abs(static_cast<double>(lux.x) / truth - 1.0) <= 0.5,
+                         qPrintable(QString::number(static_cast<double>(lux.x) / truth)));
+                QCOMPARE(lux.y, 0.0f);
+            }
+        }
+    }
+
+    void deepAndSingleCells()
+    {
+        for (const int depth : {1, 8}) {
+            BakeParams params = quick();
+            params.octreeFirstDepth = params.octreeDepth = depth;
+            params.photonCount = 5000;
+            params.gatherCount = 20;
+            checkSound(test::bakeOctree(share(cornellBox()), params));
+        }
+    }
+
+    void lampInsideAWallAndInABox()
+    {
+        SceneBuilder builder("closed lamp");
+        const int white = builder.addMaterial("white", glm::vec3(0.5f));
+        builder.add("Room", boxMesh(glm::vec3(-1.0f), glm::vec3(1.0f), Facing::in), white);
+        builder.add("Case", boxMesh(glm::vec3(-0.1f), glm::vec3(0.1f), Facing::out), white);
+        builder.addPoint("In the case", {0, 0, 0}, glm::vec3(100.0f));
+        builder.addPoint("In the wall", {1.0f, 0, 0}, glm::vec3(100.0f));
+        const test::Baked baked =
+            test::bakeOctree(share(builder.finish()), quick(), 2, {glm::vec3(1.0f), glm::vec3(0.0f)});
+        checkSound(baked);
+        const glm::vec3 floor = baked.field->irradiance({0.5f, -1.0f, 0.5f}, {0, 1, 0});
+        QCOMPARE(floor, glm::vec3(0.0f)); // a closed lamp lights nothing outside its case
+        checkSound(test::bakeOctree(share(cavityCube(0.5f)), quick()));
+    }
+
+    void tooManyPhotonsAreRefusedBeforeShooting()
+    {
+        BakeParams params;
+        params.photonCount = 1'000'000'000;
+        QElapsedTimer timer;
+        timer.start();
+        const test::Baked baked = test::bakeOctree(share(cavityCube(0.5f)), params);
+        QVERIFY2(QString::fromStdString(baked.error).contains("GiB"), baked.error.c_str());
+        QVERIFY(timer.elapsed() < 5000);
+        QCOMPARE(baked.counters.photonsShot, std::uint64_t(0));
+    }
+};
+
+QTEST_APPLESS_MAIN(ExtremesTest)
+#include "tst_extremes.moc"
