@@ -80,7 +80,7 @@ ProbeTable byField(const Context& context, const Lighting& lighting, const std::
     ProbeTable table = tableOf(rows, rows.size());
     std::vector<std::uint8_t> isDone(rows.size(), 0);
     std::atomic<std::size_t> done = 0;
-    const double from = lighting.field ? kBakeShare : 0.0;
+    const double from = lighting.bakeSeconds > 0 ? kBakeShare : 0.0;
     context.workers->run(rows.size(), context.stop, [&](std::size_t i) {
         light.at(points[i], table.direct[i], table.indirect[i]);
         isDone[i] = 1;
