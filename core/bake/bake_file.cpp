@@ -4,8 +4,10 @@
 #include "core/base/atomic_file.h"
 #include "core/octree/light_octree.h"
 #include "core/params/param_text.h"
+#include "core/photonmap/photon_map_solver.h"
 #include "core/trace/cell_clip.h"
 #include <algorithm>
+#include <array>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <map>
@@ -142,11 +144,57 @@ private:
     openvdb::GridPtrVec grids_;
 };
 
-openvdb::MetaMap metadata(const LightOctree& octree, const BakeInfo& info)
+struct PhotonQuantity {
+    const char* name;
+    glm::vec3 Photon::*field;
+};
+constexpr std::array kPhotonQuantities{
+    PhotonQuantity{"position", &Photon::position}, PhotonQuantity{"to_light", &Photon::toLight},
+    PhotonQuantity{"flux", &Photon::flux}, PhotonQuantity{"normal", &Photon::normal}};
+
+openvdb::Coord placeOf(std::size_t photon)
+{
+    return {static_cast<int>(photon & 127), static_cast<int>(photon >> 7 & 127), static_cast<int>(photon >> 14)};
+}
+
+std::string photonGridName(const std::string& group, const PhotonQuantity& quantity)
+{
+    return fmt::format("photon-map/d0/{}/{}/0/0", group, quantity.name);
+}
+
+openvdb::GridPtrVec photonGrids(const PhotonMapField& field, const Scene& scene)
+{
+    openvdb::GridPtrVec grids;
+    for (std::size_t g = 0; g < field.layers().size(); ++g) {
+        const auto& map = field.layers()[g].map;
+        if (!map) continue;
+        for (const PhotonQuantity& quantity : kPhotonQuantities) {
+            const auto grid = Vec3Grid::create();
+            grid->setName(photonGridName(escaped(scene.groups[g].id), quantity));
+            grid->insertMeta("shot", openvdb::Int64Metadata(static_cast<std::int64_t>(map->paths().shot)));
+            auto access = grid->getAccessor();
+            for (std::size_t i = 0; i < map->size(); ++i) {
+                access.setValueOn(placeOf(i), toVdb(map->photon(static_cast<std::uint32_t>(i)).*quantity.field));
+            }
+            grids.push_back(grid);
+        }
+    }
+    return grids;
+}
+
+void describe(const LightOctree& octree, openvdb::MetaMap& meta)
 {
     const OctreeGeometry& geometry = octree.geometry();
     int vdls = 1;
     for (const auto& layer : octree.layers()) vdls = layer ? layer->count : vdls;
+    meta.insertMeta("lightloom.depth", openvdb::Int32Metadata(geometry.depth));
+    meta.insertMeta("lightloom.vdls", openvdb::Int32Metadata(vdls));
+    meta.insertMeta("lightloom.lowest", openvdb::Vec3SMetadata(toVdb(geometry.lowest)));
+    meta.insertMeta("lightloom.root_size", openvdb::FloatMetadata(geometry.rootSize));
+}
+
+openvdb::MetaMap metadata(const BakeInfo& info)
+{
     openvdb::MetaMap meta;
     meta.insertMeta("lightloom.format", openvdb::Int32Metadata(kBakeFormat));
     meta.insertMeta("lightloom.method", openvdb::StringMetadata(std::string(methodName(info.method))));
@@ -156,10 +204,6 @@ openvdb::MetaMap metadata(const LightOctree& octree, const BakeInfo& info)
     meta.insertMeta("lightloom.scene", openvdb::StringMetadata(toHex(info.sceneHash)));
     meta.insertMeta("lightloom.groups", openvdb::StringMetadata(joined(info.groups)));
     meta.insertMeta("lightloom.off", openvdb::StringMetadata(joined(info.off)));
-    meta.insertMeta("lightloom.depth", openvdb::Int32Metadata(geometry.depth));
-    meta.insertMeta("lightloom.vdls", openvdb::Int32Metadata(vdls));
-    meta.insertMeta("lightloom.lowest", openvdb::Vec3SMetadata(toVdb(geometry.lowest)));
-    meta.insertMeta("lightloom.root_size", openvdb::FloatMetadata(geometry.rootSize));
     return meta;
 }
 
@@ -191,6 +235,22 @@ public:
         }
         entries(*geometry);
         return geometry;
+    }
+
+    std::shared_ptr<const PhotonPaths> photons(const std::string& group, int number) const
+    {
+        auto paths = std::make_shared<PhotonPaths>();
+        paths->group = number;
+        for (const PhotonQuantity& quantity : kPhotonQuantities) {
+            const auto grid = get<Vec3Grid>(photonGridName(group, quantity));
+            paths->photons.resize(grid->activeVoxelCount());
+            paths->shot = static_cast<std::uint64_t>(grid->metaValue<std::int64_t>("shot"));
+            const auto access = grid->getConstAccessor();
+            for (std::size_t i = 0; i < paths->photons.size(); ++i) {
+                paths->photons[i].*quantity.field = fromVdb(access.getValue(placeOf(i)));
+            }
+        }
+        return paths;
     }
 
     std::shared_ptr<VdlLayer> layer(const OctreeGeometry& geometry, const std::string& group, int number)
@@ -298,21 +358,31 @@ Result<BakeInfo> checkInfo(const openvdb::MetaMap& meta, const Scene& scene)
 
 } // namespace
 
-Result<std::vector<std::uint8_t>> bakeBytes(const LightOctree& octree, const BakeInfo& info, const Scene& scene)
+Result<std::vector<std::uint8_t>> bakeBytes(const IndirectField& field, const BakeInfo& info, const Scene& scene)
 try {
     openvdb::initialize();
     std::ostringstream stream(std::ios_base::binary);
     stream.exceptions(std::ios_base::failbit | std::ios_base::badbit);
-    openvdb::io::Stream(stream).write(Writer(octree, scene).grids(scene), metadata(octree, info));
+    openvdb::MetaMap meta = metadata(info);
+    openvdb::GridPtrVec grids;
+    if (const auto* octree = dynamic_cast<const LightOctree*>(&field)) {
+        describe(*octree, meta);
+        grids = Writer(*octree, scene).grids(scene);
+    } else if (const auto* map = dynamic_cast<const PhotonMapField*>(&field)) {
+        grids = photonGrids(*map, scene);
+    } else {
+        return Error{Error::Kind::unsupported, fmt::format("{} keeps nothing that a file could hold", field.method())};
+    }
+    openvdb::io::Stream(stream).write(grids, meta);
     return sealVdb(std::move(stream).str());
 } catch (const std::exception& failure) {
     return Error{Error::Kind::io, fmt::format("the bake could not be put into a file: {}", failure.what())};
 }
 
-Result<Done> writeBake(const std::filesystem::path& path, const LightOctree& octree, const BakeInfo& info,
+Result<Done> writeBake(const std::filesystem::path& path, const IndirectField& field, const BakeInfo& info,
                        const Scene& scene)
 {
-    const Result<std::vector<std::uint8_t>> bytes = bakeBytes(octree, info, scene);
+    const Result<std::vector<std::uint8_t>> bytes = bakeBytes(field, info, scene);
     if (!bytes) return bytes.error();
     return writeFile(path, *bytes);
 }
@@ -324,17 +394,30 @@ try {
     openvdb::initialize();
     std::istringstream stream(std::string(content->begin(), content->end()), std::ios_base::binary);
     openvdb::io::Stream vdb(stream, false);
-    const Result<BakeInfo> info = checkInfo(*vdb.getMetadata(), scene);
+    const openvdb::MetaMap::ConstPtr meta = vdb.getMetadata(); // a copy, made anew at each call: kept for the reader
+    const Result<BakeInfo> info = checkInfo(*meta, scene);
     if (!info) return info.error();
-    Reader reader(*vdb.getGrids(), *vdb.getMetadata());
-    const std::shared_ptr<const OctreeGeometry> geometry = reader.geometry();
-    std::vector<std::shared_ptr<const VdlLayer>> layers(scene.groups.size());
-    for (std::size_t g = 0; g < layers.size(); ++g) {
-        const std::string& id = scene.groups[g].id;
-        if (std::ranges::find(info->off, id) != info->off.end()) continue;
-        layers[g] = reader.layer(*geometry, escaped(id), static_cast<int>(g));
+    Reader reader(*vdb.getGrids(), *meta);
+    BakeFile bake{*info, nullptr, {}};
+    const auto isOn = [&](const LightGroup& group) {
+        return std::ranges::find(info->off, group.id) == info->off.end();
+    };
+    const int groups = static_cast<int>(scene.groups.size());
+    if (info->method == Method::photonMap) {
+        for (int g = 0; g < groups; ++g) {
+            const LightGroup& group = scene.groups[static_cast<std::size_t>(g)];
+            bake.photons.push_back(isOn(group) ? reader.photons(escaped(group.id), g) : nullptr);
+        }
+        return bake;
     }
-    return BakeFile{*info, std::make_shared<LightOctree>(geometry, std::move(layers), info->params.vdlForm, Mix{})};
+    const std::shared_ptr<const OctreeGeometry> geometry = reader.geometry();
+    std::vector<std::shared_ptr<const VdlLayer>> layers;
+    for (int g = 0; g < groups; ++g) {
+        const LightGroup& group = scene.groups[static_cast<std::size_t>(g)];
+        layers.push_back(isOn(group) ? reader.layer(*geometry, escaped(group.id), g) : nullptr);
+    }
+    bake.octree = std::make_shared<LightOctree>(geometry, std::move(layers), info->params.vdlForm, Mix{});
+    return bake;
 } catch (const std::exception& failure) {
     return Error{Error::Kind::badInput, fmt::format("not a Lightloom bake: {}", failure.what())};
 }

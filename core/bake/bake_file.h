@@ -13,6 +13,7 @@
 namespace lightloom {
 
 class LightOctree;
+struct PhotonPaths;
 
 /// What a bake file says about itself.
 struct BakeInfo {
@@ -27,17 +28,20 @@ struct BakeInfo {
 
 struct BakeFile {
     BakeInfo info;
-    std::shared_ptr<const LightOctree> octree;
+    std::shared_ptr<const LightOctree> octree;               ///< method light-octree
+    std::vector<std::shared_ptr<const PhotonPaths>> photons; ///< method photon-map, by light group; null: was off
 };
 
 /// Bytes of a bake file: one OpenVDB stream, sealed (vdb_seal.h). Grids, all in the file's frame:
 ///   light-octree/d<depth>/geometry/{normal,centroid,area}/<entry>      one per orientation of a leaf
 ///   light-octree/d<depth>/<group>/scalar/<entry>                       lux on the entry's own surface
 ///   light-octree/d<depth>/<group>/{colour,direction}/<entry>/<slot>    the VDLs
+///   photon-map/d0/<group>/{position,to_light,flux,normal}/0/0          photon i at (i % 128, i / 128 % 128, i / 16384)
 /// "/" in group ids is written %2F. The same bake gives the same bytes; nothing in it depends on time or host.
-[[nodiscard]] Result<std::vector<std::uint8_t>> bakeBytes(const LightOctree& octree, const BakeInfo& info,
+/// `field` is what the method of `info` published.
+[[nodiscard]] Result<std::vector<std::uint8_t>> bakeBytes(const IndirectField& field, const BakeInfo& info,
                                                           const Scene& scene);
-Result<Done> writeBake(const std::filesystem::path& path, const LightOctree& octree, const BakeInfo& info,
+Result<Done> writeBake(const std::filesystem::path& path, const IndirectField& field, const BakeInfo& info,
                        const Scene& scene);
 
 /// Reads a bake for `scene`. Refused with one clear line: damaged or truncated files, newer formats, other scenes.

@@ -40,18 +40,25 @@ std::size_t PhotonMapField::memoryBytes() const
     return sum;
 }
 
+std::shared_ptr<const PhotonMapField> photonMapField(const BakeParams& params, const Bounds& bounds,
+                                                     std::shared_ptr<const SurfaceArea> area,
+                                                     const std::vector<std::shared_ptr<const PhotonMap>>& maps, Mix mix)
+{
+    // "leaf widths" of the radius parameter: a 64th of the longest side, as the octree's at its default depth
+    const float cell = bounds.longestSide() / 64.0f;
+    std::vector<PhotonMapField::Layer> layers;
+    for (const auto& map : maps) {
+        layers.push_back({map, map ? DensityKernel::of(params, *map, *area, cell) : DensityKernel{}});
+    }
+    return std::make_shared<PhotonMapField>(std::move(area), std::move(layers), std::move(mix));
+}
+
 Result<Done> PhotonMapSolver::bake(const BakeJob& job, BakeProducts& products, BakeControl& control)
 {
-    Result<PhotonProducts> photons = photonProducts(job, products, control, 1.0);
+    const Result<PhotonProducts> photons = photonProducts(job, products, control, 1.0);
     if (!photons) return photons.error();
-    // "leaf widths" of the radius parameter: a 64th of the longest side, as the octree's at its default depth
-    const float cell = job.scene->bounds.longestSide() / 64.0f;
-    std::vector<PhotonMapField::Layer> layers;
-    for (const auto& map : photons->maps) {
-        layers.push_back({map, map ? DensityKernel::of(job.params, *map, *photons->area, cell) : DensityKernel{}});
-    }
     control.progress(Stage::fit, 1.0);
-    control.publish(std::make_shared<PhotonMapField>(photons->area, std::move(layers), job.mix), 0, true);
+    control.publish(photonMapField(job.params, job.scene->bounds, photons->area, photons->maps, job.mix), 0, true);
     return Done{};
 }
 

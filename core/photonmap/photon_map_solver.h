@@ -17,12 +17,18 @@ public:
     [[nodiscard]] std::shared_ptr<const IndirectField> withMix(Mix mix) const override;
     [[nodiscard]] std::string_view method() const override { return "photon-map"; }
     [[nodiscard]] std::size_t memoryBytes() const override;
+    [[nodiscard]] const std::vector<Layer>& layers() const { return layers_; }
 
 private:
     std::shared_ptr<const SurfaceArea> area_;
     std::vector<Layer> layers_;
     Mix mix_;
 };
+
+/// The field over photons that are there already, from a file say; `maps` by light group, null where a lamp is off.
+[[nodiscard]] std::shared_ptr<const PhotonMapField>
+photonMapField(const BakeParams& params, const Bounds& bounds, std::shared_ptr<const SurfaceArea> area,
+               const std::vector<std::shared_ptr<const PhotonMap>>& maps, Mix mix);
 
 /// Shoots and builds the trees; one snapshot.
 class PhotonMapSolver final : public Solver {

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/cli/methods.h"
+#include "core/bake/bake_file.h"
+#include "core/base/atomic_file.h"
+#include "core/octree/light_octree.h"
+#include <filesystem>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace lightloom::cli {
+namespace {
+
+BakeInfo describe(const Lighting& lighting)
+{
+    BakeInfo info;
+    info.method = lighting.method;
+    info.params = lighting.params;
+    info.isa = std::string(lighting.lit.rays->isaName());
+    info.sceneHash = sceneHash(*lighting.lit.scene);
+    for (const LightGroup& group : lighting.lit.scene->groups) info.groups.push_back(group.id);
+    info.program = LIGHTLOOM_VERSION;
+    return info;
+}
+
+nlohmann::json vec(glm::dvec3 v) { return {v.x, v.y, v.z}; }
+
+/// Everything a program may want to know; timings and host are here and not in the file.
+nlohmann::json report(const Lighting& lighting, const BakeInfo& info, std::uint64_t fileBytes, int threads)
+{
+    const WorkCounters& c = lighting.counters;
+    nlohmann::json stages = nlohmann::json::object();
+    for (const auto& [stage, ms] : c.stageMs) stages[stage] = ms;
+    nlohmann::json params = nlohmann::json::object();
+    for (const ParamSpec& spec : kParams) params[std::string(spec.key)] = paramText(info.params, spec);
+    return {{"method", methodName(info.method)},
+            {"program", info.program},
+            {"isa", info.isa},
+            {"threads", threads},
+            {"scene_hash", toHex(info.sceneHash)},
+            {"parameters", params},
+            {"seconds", lighting.bakeSeconds},
+            {"stages_ms", stages},
+            {"memory_bytes", lighting.field->memoryBytes()},
+            {"file_bytes", fileBytes},
+            {"work",
+             {{"photons_shot", c.photonsShot},
+              {"photons_stored", c.photonsStored},
+              {"photons_caustic", c.causticPhotons},
+              {"rays_traced", c.raysTraced},
+              {"paths_cut_off", c.pathsCutOff},
+              {"groups_baked", c.groupsBaked},
+              {"groups_off", c.groupsOff},
+              {"leaves", c.leaves},
+              {"entries", c.entries},
+              {"gathers", c.gathers},
+              {"clusterings", c.clusterings},
+              {"degenerate_entries", c.degenerateEntries}}},
+            {"energy_lm",
+             {{"emitted", vec(c.ledger.emitted)},
+              {"absorbed", vec(c.ledger.absorbed)},
+              {"escaped", vec(c.ledger.escaped)},
+              {"terminated", vec(c.ledger.terminated)},
+              {"missing", vec(c.ledger.missing())}}}};
+}
+
+void print(const Lighting& lighting, const std::string& output, std::uint64_t fileBytes)
+{
+    const WorkCounters& c = lighting.counters;
+    fmt::print("{}: {:.2f} s, {} photons shot, {} stored", methodName(lighting.method), lighting.bakeSeconds,
+               c.photonsShot, c.photonsStored);
+    if (lighting.method == Method::lightOctree) fmt::print(", {} leaves, {} entries", c.leaves, c.entries);
+    fmt::print("\n");
+    for (const auto& [stage, ms] : c.stageMs) fmt::print("  {:<12} {:9.1f} ms\n", stage, ms);
+    const double emitted = glm::dot(c.ledger.emitted, glm::dvec3(1.0));
+    if (emitted > 0.0) {
+        const auto share = [&](glm::dvec3 v) { return 100.0 * glm::dot(v, glm::dvec3(1.0)) / emitted; };
+        fmt::print("  light: {:.1f} % absorbed, {:.1f} % escaped, {:.2g} % cut off\n", share(c.ledger.absorbed),
+                   share(c.ledger.escaped), share(c.ledger.terminated));
+    }
+    fmt::print("{}: {:.1f} MiB\n", output, static_cast<double>(fileBytes) / (1 << 20));
+}
+
+} // namespace
+
+int bake(const Context& context, const BakeCommand& command)
+{
+    const LightingRequest request{command.scene, command.method, {}, command.options};
+    if (const Result<Done> checked = checkRequest(request); !checked) return failUsage(checked.error());
+    const Method method = *methodNamed(command.method);
+    if (method == Method::direct || method == Method::reference) {
+        return failUsage(
+            {Error::Kind::badInput, command.method + " keeps nothing to bake; use it with probe or render"});
+    }
+    if (const Result<Done> writable = checkOutput(command.output); !writable) return failWriting(writable.error());
+    const Result<Lighting> lighting = prepareLighting(context, request, 1.0);
+    if (!lighting) return fail(lighting.error());
+    const BakeInfo info = describe(*lighting);
+    const Result<std::vector<std::uint8_t>> bytes = bakeBytes(*lighting->field, info, *lighting->lit.scene);
+    if (!bytes) return fail(bytes.error());
+    if (const Result<Done> wrote = writeFile(command.output, *bytes); !wrote) return failWriting(wrote.error());
+    if (context.json) {
+        fmt::print("{}\n", report(*lighting, info, bytes->size(), context.workers->threadCount()).dump(2));
+    } else if (!context.quiet) {
+        print(*lighting, command.output, bytes->size());
+    }
+    return kDone;
+}
+
+} // namespace lightloom::cli
