@@ -156,6 +156,8 @@ private Q_SLOTS:
         add("value out of range", probe + QStringList{"--set", "vdl.count=9"}, "1 to 8");
         add("no value", probe + QStringList{"--set", "photons"}, "NAME=VALUE");
         add("parameters that clash", probe + QStringList{"--set", "octree.depth=3"}, "octree.first-depth");
+        add("bake of nothing", {"bake", kScene, "--method", "direct", "-o", "b.vdb"}, "direct");
+        add("bake without a file", {"bake", kScene, "--method", "light-octree"}, "--output");
         add("unknown preset", probe + QStringList{"--preset", "best"}, "best");
         add("unknown isa", probe + QStringList{"--isa", "neon"}, "neon");
         add("size", {"render", kScene, "--method", "direct", "--size", "10", "-o", "a.png"}, "WIDTHxHEIGHT");
@@ -347,6 +349,50 @@ private Q_SLOTS:
         }
     }
 
+    void aStoredBakeAnswersLikeAFreshOne()
+    {
+        const QStringList bake = QStringList{"bake", kScene, "--method", "light-octree"} + kQuickBake;
+        const Ran made = run(bake + QStringList{"-o", at("b.vdb"), "--json", "--threads", "1"});
+        QVERIFY2(made.code == 0, qPrintable(made.text()));
+        const auto json = nlohmann::json::parse(made.out.toStdString());
+        QCOMPARE(json["work"]["photons_shot"].get<int>(), 4000);
+        QCOMPARE(json["work"]["photons_caustic"].get<int>(), 0); // nothing specular in there
+        QVERIFY(run(bake + QStringList{"-o", at("b5.vdb"), "--threads", "5"}).code == 0);
+        QVERIFY(!contents(at("b.vdb")).isEmpty() && contents(at("b.vdb")) == contents(at("b5.vdb")));
+
+        const QStringList probe{"probe", kScene, "--points", at("points.csv"), "--bake", at("b.vdb")};
+        const Ran stored = run(probe + QStringList{"-o", at("stored.csv")});
+        QVERIFY2(stored.code == 0, qPrintable(stored.text()));
+        QVERIFY(run(probeWords("light-octree", at("fresh.csv"))).code == 0);
+        QCOMPARE(contents(at("stored.csv")), contents(at("fresh.csv")));
+        QVERIFY(run(probe + QStringList{"--method", "light-octree", "--set", "direct.samples=8"}).code == 0);
+
+        QStringList photons = bake;
+        photons[3] = "photon-map";
+        QVERIFY(run(photons + QStringList{"-o", at("photons.vdb")}).code == 0);
+        QVERIFY(
+            run({"probe", kScene, "--points", at("points.csv"), "--bake", at("photons.vdb"), "-o", at("stored.csv")})
+                .code == 0);
+        QVERIFY(run(probeWords("photon-map", at("fresh.csv"))).code == 0);
+        QCOMPARE(contents(at("stored.csv")), contents(at("fresh.csv")));
+
+        const QStringList render{"render", kScene, "--size", "40x30", "--spp", "1", "-o", at("stored.exr")};
+        QVERIFY(run(render + QStringList{"--bake", at("b.vdb")}).code == 0);
+        const std::vector<std::pair<QStringList, QString>> refused{{{"--method", "photon-map"}, "photon-map"},
+                                                                   {{"--set", "vdl.count=2"}, "vdl.count"},
+                                                                   {{"--seed", "9"}, "seed"},
+                                                                   {{"--preset", "final"}, "--preset"}};
+        for (const auto& [words, mention] : refused) {
+            const Ran ran = run(probe + words);
+            QVERIFY2(ran.code == 3 && ran.failedWithOneLine() && ran.err.contains(mention), qPrintable(ran.text()));
+        }
+        QVERIFY(run({"make-scene", "figure", "--triangles", "60", "-o", at("other.glb")}).code == 0);
+        QStringList other = probe;
+        other[1] = at("other.glb");
+        const Ran ran = run(other);
+        QVERIFY2(ran.code == 3 && ran.failedWithOneLine(), qPrintable(ran.text()));
+    }
+
     void picturesAreMadeAndCompared()
     {
         const QStringList words{"render", kScene, "--size", "64x48", "--spp", "4"};
@@ -429,6 +475,9 @@ private Q_SLOTS:
         QTest::addColumn<QStringList>("words");
         QTest::addColumn<QString>("output");
         const QString points = at("points.csv");
+        QTest::newRow("bake file") << QStringList{"bake",         kScene,  "--method",
+                                                  "light-octree", "--set", "photons=20000000"}
+                                   << "i_bake.vdb";
         QTest::newRow("bake") << QStringList{"probe",        kScene,  "--method",
                                              "light-octree", "--set", "photons=20000000",
                                              "--points",     points}

@@ -70,6 +70,7 @@ struct Spoken {
     std::uint64_t count = 0;
     std::string sampleName;
     std::optional<std::uint64_t> triangles;
+    cli::BakeCommand bake;
     cli::ProbeCommand probe;
     cli::RenderCommand render;
     cli::CompareCommand compare;
@@ -86,6 +87,7 @@ public:
         addGlobals();
         addInfo();
         addPoints();
+        addBakeCommand();
         addProbe();
         addRender();
         addCompare();
@@ -202,6 +204,19 @@ private:
             });
         command->add_option("--count", spoken_.count, "How many")->required()->check(wholeNumber)->option_text("N");
         addOutput(*command, "POINTS.csv; standard output without");
+    }
+
+    void addBakeCommand()
+    {
+        CLI::App* command = addSceneCommand("bake", "Bake a scene's indirect light into a file", [this] {
+            spoken_.bake.scene = spoken_.scene;
+            spoken_.bake.output = spoken_.output;
+            spoken_.bake.options = bakeOptions();
+            return cli::bake(spoken_.context, spoken_.bake);
+        });
+        addMethod(*command, spoken_.bake.method);
+        addBakeOptions(*command);
+        addOutput(*command, "BAKE.vdb")->required();
     }
 
     void addProbe()
