@@ -39,6 +39,7 @@ public:
     /// stretched over `window` pixels of framebuffer `target`. Samples after the first are taken through pixels shifted
     /// by less than half, so that edges smooth while the picture rests. Error: the driver refuses the buffers.
     Result<Done> draw(const FrameView& frame, int sample, glm::ivec2 size, GLuint target, glm::ivec2 window);
+    void finish() { gl_.glFinish(); } ///< waits for the GPU, to measure
     /// Undrawn shadow maps for about `budgetMs`. True when all are there.
     bool drawShadows(double budgetMs);
     [[nodiscard]] int shadowLayersDrawn() const { return shadows_.layersDrawn(); }

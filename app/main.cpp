@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The window. Start reading here, then BakeSession::work.
+#include "widgets/gl/gl_probe.h"
+#include "widgets/main_window.h"
+#include "widgets/screenshot.h"
+#include <QApplication>
+#include <QCommandLineParser>
+#include <QSettings>
+#include <cstdio>
+
+namespace {
+
+/// "1280x800", or an invalid size.
+QSize parseSize(const QString& text)
+{
+    const QStringList parts = text.split('x');
+    if (parts.size() != 2) return {};
+    const QSize size(parts[0].toInt(), parts[1].toInt());
+    const bool fits = size.width() >= 320 && size.height() >= 240 && size.width() <= 8192 && size.height() <= 8192;
+    return fits ? size : QSize();
+}
+
+int usage(const QString& message)
+{
+    std::fprintf(stderr, "lightloom: %s\n", qPrintable(message));
+    return 2;
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+    lightloom::setDefaultGlFormat();
+    QApplication application(argc, argv);
+    QCoreApplication::setApplicationName("lightloom");
+    QCoreApplication::setOrganizationName("lightloom");
+    QCoreApplication::setApplicationVersion(LIGHTLOOM_VERSION);
+
+    QCommandLineParser parser;
+    parser.setApplicationDescription("Lighting design with baked indirect light.");
+    parser.addHelpOption();
+    parser.addVersionOption();
+    parser.addPositionalArgument("scene", "glTF scene to open (.glb or .gltf).", "[SCENE]");
+    const QCommandLineOption picture("screenshot", "Write the window's picture and exit.", "OUT.png");
+    const QCommandLineOption size("size", "Size of the window, at least 320x240.", "WxH", "1280x800");
+    const QCommandLineOption wait("wait", "With --screenshot: wait for the final depth instead of the first one.");
+    parser.addOptions({picture, size, wait});
+    parser.process(application);
+    const QStringList scenes = parser.positionalArguments();
+    if (scenes.size() > 1) return usage("one scene at a time");
+    const QSize wanted = parseSize(parser.value(size));
+    if (parser.isSet(size) && !wanted.isValid()) return usage("--size wants WxH, 320x240 to 8192x8192");
+    const bool isPicture = parser.isSet(picture);
+
+    QSettings settings; // a picture of the program must not depend on how someone left it
+    lightloom::MainWindow window(isPicture ? nullptr : &settings);
+    if (parser.isSet(size) || isPicture) window.resize(wanted);
+    window.show();
+    if (isPicture) return lightloom::takeScreenshot(window, scenes.value(0), parser.value(picture), parser.isSet(wait));
+    if (!scenes.isEmpty()) window.openScene(scenes.first());
+    return QApplication::exec();
+}

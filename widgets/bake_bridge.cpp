@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "widgets/bake_bridge.h"
+#include "core/octree/octree_solver.h"
+#include "core/photonmap/photon_products.h"
+#include <thread>
+#ifdef __linux__
+#include <sys/resource.h>
+#include <unistd.h>
+#endif
+
+namespace lightloom {
+
+namespace {
+
+/// On Linux a thread has its own nice value and hands it on to threads it starts.
+void lowerPriority()
+{
+#ifdef __linux__
+    setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), 10);
+#endif
+}
+
+} // namespace
+
+BakeBridge::BakeBridge(QObject* parent) : QObject(parent)
+{
+    std::thread starter([this] { // bake threads inherit its priority; the UI thread's must stay as it is
+        lowerPriority();
+        workers_ = std::make_unique<Workers>();
+        session_ = std::make_unique<BakeSession>(
+            *workers_, std::make_unique<OctreeSolver>(),
+            BakeSession::Sinks{[this](Snapshot snapshot) { publish(std::move(snapshot)); },
+                               [this](Progress progress) { Q_EMIT progressed(progress); },
+                               [this](std::uint64_t serial, const Result<Done>& outcome) {
+                                   const bool isCancelled = !outcome && outcome.error().kind == Error::Kind::cancelled;
+                                   const QString error = outcome || isCancelled
+                                                             ? QString()
+                                                             : QString::fromStdString(outcome.error().message);
+                                   Q_EMIT finished(serial, error, isCancelled, session_->products().counters);
+                               }});
+    });
+    starter.join();
+}
+
+BakeBridge::~BakeBridge() { session_.reset(); } // while the signals it may still send exist
+
+std::uint64_t BakeBridge::start(BakeJob job, bool urgent)
+{
+    std::lock_guard lock(mutex_); // the worker must not publish before the serial's scene is known
+    scene_ = job.scene;
+    serial_ = session_->post(std::move(job), urgent);
+    return serial_;
+}
+
+void BakeBridge::cancel() { session_->cancel(); }
+void BakeBridge::setPaused(bool paused) { session_->setPaused(paused); }
+
+void BakeBridge::setMix(Mix mix, std::uint64_t serial)
+{
+    std::lock_guard lock(mutex_);
+    mix_ = std::move(mix);
+    mixSerial_ = serial;
+}
+
+void BakeBridge::publish(Snapshot snapshot)
+{
+    BakeView view;
+    view.snapshot = std::move(snapshot);
+    Mix mix;
+    std::uint64_t serial = 0;
+    BakeJob job;
+    {
+        std::lock_guard lock(mutex_);
+        mix = mix_;
+        serial = mixSerial_;
+        if (serial_ == view.snapshot.serial) job.scene = scene_;
+    }
+    // the solver made these for the same scene, so that this only finds them; a newer job will publish its own
+    if (job.scene) {
+        BakeControl control(*workers_, {});
+        const Result<SceneProducts> found = sceneProducts(job, session_->products(), control);
+        if (found) {
+            view.rays = found->rays;
+            view.lights = found->lights;
+        }
+    }
+    Q_EMIT shown(withMix(std::move(view), mix, serial));
+}
+
+} // namespace lightloom

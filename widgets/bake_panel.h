@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "core/field/bake_control.h"
+#include "core/field/bake_products.h"
+#include "widgets/bake_view.h"
+#include <QWidget>
+
+class QLabel;
+class QProgressBar;
+class QToolButton;
+class QAction;
+
+namespace lightloom {
+
+/// How the bake goes: stage, progress, time left, time per depth, and what was counted. Its buttons are the window's
+/// actions.
+class BakePanel final : public QWidget {
+    Q_OBJECT
+public:
+    BakePanel(QAction* start, QAction* pause, QAction* cancel, QWidget* parent = nullptr);
+    void begin();
+    void show(const Progress& progress);
+    void show(const BakeView& view);
+    void end(const QString& outcome, const WorkCounters& counters);
+    void clear();
+    [[nodiscard]] QString stageText() const;
+    [[nodiscard]] double fraction() const;
+
+private:
+    QLabel *stage_, *depths_, *counters_;
+    QProgressBar* bar_;
+    QString times_;
+};
+
+} // namespace lightloom

@@ -1,0 +1,325 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "widgets/main_window.h"
+#include "core/params/param_text.h"
+#include "widgets/bake_bridge.h"
+#include "widgets/bake_panel.h"
+#include "widgets/message_bar.h"
+#include "widgets/param_panel.h"
+#include "widgets/scene_dock.h"
+#include "widgets/scene_loader.h"
+#include "widgets/snapshot_bar.h"
+#include "widgets/start_page.h"
+#include "widgets/view_worker.h"
+#include "widgets/viewport.h"
+#include <QAction>
+#include <QCloseEvent>
+#include <QComboBox>
+#include <QDoubleSpinBox>
+#include <QDragEnterEvent>
+#include <QFileDialog>
+#include <QFileInfo>
+#include <QLabel>
+#include <QLocale>
+#include <QMenu>
+#include <QMimeData>
+#include <QSettings>
+#include <QStackedWidget>
+#include <QUrl>
+
+namespace lightloom {
+
+namespace {
+
+constexpr int kEditDelayMs = 150; ///< edits within it make one bake
+
+QString sceneIn(const QMimeData* mime)
+{
+    for (const QUrl& url : mime->urls()) {
+        const QString file = url.toLocalFile();
+        if (file.endsWith(QStringLiteral(".glb"), Qt::CaseInsensitive) ||
+            file.endsWith(QStringLiteral(".gltf"), Qt::CaseInsensitive)) {
+            return file;
+        }
+    }
+    return {};
+}
+
+QString luxText(double lux)
+{
+    if (lux < 0.0) return QStringLiteral("?");
+    return QLocale().toString(lux, 'f', lux < 10.0 ? 2 : lux < 100.0 ? 1 : 0);
+}
+
+} // namespace
+
+MainWindow::MainWindow(QSettings* settings)
+    : settings_(settings), loader_(new SceneLoader(this)), bridge_(new BakeBridge(this)), worker_(new ViewWorker(this))
+{
+    setWindowTitle(tr("Lightloom"));
+    setAcceptDrops(true);
+    resize(1280, 800);
+    makeActions();
+    buildCentre();
+    buildDocks();
+    buildStatus();
+    buildMenus();
+    connectWorkers();
+    editDelay_.setSingleShot(true);
+    editDelay_.setInterval(kEditDelayMs);
+    connect(&editDelay_, &QTimer::timeout, this, &MainWindow::paramsEdited);
+    restore();
+}
+
+MainWindow::~MainWindow()
+{
+    // workers first: what they still send finds no window then
+    delete bridge_;
+    delete worker_;
+    delete loader_;
+}
+
+bool MainWindow::isPaused() const { return bridge_->isPaused(); }
+
+void MainWindow::connectWorkers()
+{
+    connect(loader_, &SceneLoader::loaded, this, &MainWindow::setScene);
+    connect(loader_, &SceneLoader::failed, this, [this](const QString& message) {
+        messages_->show(message, tr("Open another..."), [this] { chooseFile(); });
+        statusStage_->clear();
+        Q_EMIT openFailed();
+    });
+    connect(bridge_, &BakeBridge::shown, this, &MainWindow::takeView, Qt::QueuedConnection);
+    connect(
+        bridge_, &BakeBridge::progressed, this,
+        [this](const Progress& progress) {
+            if (progress.serial != jobSerial_ || !isBaking_) return;
+            bakePanel_->show(progress);
+            statusStage_->setText(bakePanel_->stageText());
+        },
+        Qt::QueuedConnection);
+    connect(bridge_, &BakeBridge::finished, this, &MainWindow::bakeFinished, Qt::QueuedConnection);
+    connect(
+        worker_, &ViewWorker::mixed, this,
+        [this](const BakeView& view) {
+            snapshots_->replaceShown(view);
+            if (snapshots_->shown() != nullptr) showView(*snapshots_->shown());
+        },
+        Qt::QueuedConnection);
+    connect(worker_, &ViewWorker::measured, this, &MainWindow::showMeasurement, Qt::QueuedConnection);
+    connect(sceneDock_, &SceneDock::mixEdited, this, &MainWindow::mixEdited);
+    connect(sceneDock_, &SceneDock::cameraChosen, this, [this](int index) {
+        if (viewport_ != nullptr) viewport_->useCamera(data_->scene->cameras[static_cast<std::size_t>(index)]);
+    });
+    connect(snapshots_, &SnapshotBar::chosen, this, [this] { showView(*snapshots_->shown()); });
+    connect(paramPanel_, &ParamPanel::edited, &editDelay_, qOverload<>(&QTimer::start));
+    if (viewport_ == nullptr) return;
+    connect(viewport_, &Viewport::frameDrawn, this, &MainWindow::showFrame);
+    connect(viewport_, &Viewport::problem, this, [this](const QString& text) { messages_->show(text); });
+    connect(viewport_, &Viewport::exposureMetered, this, [this](float ev) {
+        const QSignalBlocker quiet(exposure_);
+        exposure_->setValue(static_cast<double>(ev));
+    });
+    connect(viewport_, &Viewport::hovered, this, [this](bool isOnSurface, glm::vec3 p, glm::vec3 n) {
+        if (isOnSurface && snapshots_->shown() != nullptr) {
+            worker_->measure(*snapshots_->shown(), mix_, p, n);
+        } else {
+            showMeasurement({});
+        }
+    });
+}
+
+void MainWindow::openScene(const QString& file)
+{
+    statusStage_->setText(tr("Reading %1").arg(QFileInfo(file).fileName()));
+    loader_->open(file);
+}
+
+void MainWindow::setScene(std::shared_ptr<const DrawData> opened, const QString& file)
+{
+    data_ = std::move(opened);
+    const Scene& scene = *data_->scene;
+    setWindowTitle(tr("%1 - Lightloom").arg(sceneTitle(file)));
+    snapshots_->clear();
+    rowSerial_.reset();
+    sceneDock_->setScene(data_->scene);
+    mix_ = sceneDock_->mix();
+    bridge_->setMix(mix_, ++mixSerial_);
+    cameraMenu_->clear();
+    for (const Camera& camera : scene.cameras) {
+        cameraMenu_->addAction(QString::fromStdString(camera.name), this, [this, camera] {
+            if (viewport_ != nullptr) viewport_->useCamera(camera);
+        });
+    }
+    cameraMenu_->setEnabled(!scene.cameras.empty());
+    pages_->setCurrentWidget(workPage_);
+    if (viewport_ != nullptr) {
+        viewport_->setScene(data_);
+        viewport_->setFocus();
+        if (scene.exposureEv) {
+            const QSignalBlocker quiet(exposure_);
+            exposure_->setValue(static_cast<double>(*scene.exposureEv));
+        }
+    }
+    QStringList notes;
+    if (!data_->lampMessage.empty()) notes += QString::fromStdString(data_->lampMessage);
+    for (const std::string& warning : scene.warnings) notes += QString::fromStdString(warning);
+    if (notes.isEmpty()) {
+        messages_->clear();
+    } else {
+        const auto more = notes.size() - 1;
+        messages_->show(more > 0 ? tr("%1 (and %n more note(s))", nullptr, static_cast<int>(more)).arg(notes.first())
+                                 : notes.first());
+        messages_->setToolTip(notes.join('\n'));
+    }
+    rememberFile(file);
+    startBake(true);
+    Q_EMIT sceneOpened();
+}
+
+void MainWindow::startBake(bool urgent)
+{
+    editDelay_.stop();
+    if (!data_) return;
+    const Result<Done> fits = checkTogether(paramPanel_->params());
+    if (!fits) {
+        messages_->show(QString::fromStdString(fits.error().message), tr("Reset parameters"),
+                        [this] { setParams(BakeParams{}); });
+        return;
+    }
+    BakeJob job;
+    job.scene = data_->scene;
+    job.params = paramPanel_->params();
+    // lamps that are on are baked at full: dimming is the mix's; lamps that are off cost nothing
+    for (const glm::vec3& gain : mix_) job.mix.emplace_back(gain == glm::vec3(0.0f) ? 0.0f : 1.0f);
+    bakedMix_ = job.mix;
+    bakedParams_ = job.params;
+    jobSerial_ = bridge_->start(std::move(job), urgent);
+    isBaking_ = true;
+    bakePanel_->begin();
+    pause_->setEnabled(true);
+    cancel_->setEnabled(true);
+}
+
+void MainWindow::setParams(const BakeParams& params)
+{
+    paramPanel_->setParams(params);
+    paramsEdited();
+}
+
+void MainWindow::paramsEdited()
+{
+    const auto stage = firstDifference(bakedParams_, paramPanel_->params(), Method::lightOctree);
+    if (stage && *stage != Stage::show) startBake(false);
+}
+
+void MainWindow::mixEdited()
+{
+    mix_ = sceneDock_->mix();
+    bridge_->setMix(mix_, ++mixSerial_);
+    if (viewport_ != nullptr) viewport_->setMix(mix_);
+    for (std::size_t g = 0; g < mix_.size(); ++g) {
+        const bool wasLeftOut = isOff(bakedMix_, static_cast<int>(g)), isOn = mix_[g] != glm::vec3(0.0f);
+        if (wasLeftOut && isOn) {
+            startBake(false); // it has no layer yet; the other lamps' photons are kept
+            break;
+        }
+    }
+    if (snapshots_->shown() != nullptr) worker_->mix(*snapshots_->shown(), mix_, mixSerial_);
+}
+
+void MainWindow::takeView(const BakeView& view)
+{
+    if (view.snapshot.serial < jobSerial_ && rowSerial_ && *rowSerial_ == jobSerial_) return; // overtaken
+    if (rowSerial_ != view.snapshot.serial) {
+        snapshots_->clear();
+        rowSerial_ = view.snapshot.serial;
+    }
+    snapshots_->add(view);
+    bakePanel_->show(view);
+    showView(*snapshots_->shown());
+    Q_EMIT lightShown(view.snapshot.isFinal);
+}
+
+void MainWindow::showView(const BakeView& view)
+{
+    if (!view.problem.isEmpty()) messages_->show(view.problem);
+    if (view.mixSerial != mixSerial_) worker_->mix(view, mix_, mixSerial_);
+    if (viewport_ != nullptr) viewport_->setLight(view);
+    const double bytes = static_cast<double>(view.gpu ? view.gpu->memoryBytes() : 0);
+    statusSize_->setText(tr("d%1  %2 leaves  %3 MB")
+                             .arg(view.snapshot.level)
+                             .arg(QLocale().toString(static_cast<qulonglong>(view.leaves)))
+                             .arg(bytes / 1e6, 0, 'f', 1));
+    statusSize_->setToolTip(tr("Light octree as shown: %1 entries, %2 MB in textures, %3 MB with all lamps' layers")
+                                .arg(QLocale().toString(static_cast<qulonglong>(view.entries)))
+                                .arg(bytes / 1e6, 0, 'f', 1)
+                                .arg(static_cast<double>(view.snapshot.field->memoryBytes()) / 1e6, 0, 'f', 1));
+}
+
+void MainWindow::bakeFinished(quint64 serial, const QString& error, bool isCancelled, const WorkCounters& counters)
+{
+    if (serial != jobSerial_) return;
+    isBaking_ = false;
+    pause_->setEnabled(false);
+    cancel_->setEnabled(false);
+    const QString outcome = !error.isEmpty() ? tr("Failed") : isCancelled ? tr("Cancelled") : tr("Done");
+    if (!error.isEmpty()) messages_->show(error, tr("Reset parameters"), [this] { setParams(BakeParams{}); });
+    bakePanel_->end(outcome, counters);
+    statusStage_->setText(outcome);
+    Q_EMIT bakeEnded(error.isEmpty() && !isCancelled);
+}
+
+void MainWindow::showMeasurement(const Measurement& m)
+{
+    if (!m.isOnSurface) {
+        statusLux_->setText(tr("- lx"));
+        return;
+    }
+    const bool isKnown = m.directLux >= 0.0 && m.indirectLux >= 0.0;
+    statusLux_->setText(isKnown ? tr("%1 lx at cursor").arg(luxText(m.directLux + m.indirectLux))
+                                : tr("%1 lx indirect at cursor").arg(luxText(m.indirectLux)));
+    statusLux_->setToolTip(
+        tr("Illuminance: %1 lx direct, %2 lx indirect").arg(luxText(m.directLux), luxText(m.indirectLux)));
+}
+
+void MainWindow::showFrame(double ms, bool isFull)
+{
+    statusFrame_->setText(tr("%1 ms%2").arg(ms, 0, 'f', ms < 10.0 ? 1 : 0).arg(isFull ? QString() : tr(" coarse")));
+}
+
+void MainWindow::chooseFile()
+{
+    const QString folder = settings_ != nullptr ? settings_->value("folder").toString() : QString();
+    auto* dialog = new QFileDialog(this, tr("Open a scene"), folder, tr("glTF scenes (*.glb *.gltf);;All files (*)"));
+    dialog->setAttribute(Qt::WA_DeleteOnClose);
+    dialog->setFileMode(QFileDialog::ExistingFile);
+    connect(dialog, &QFileDialog::fileSelected, this, &MainWindow::openScene);
+    dialog->open();
+}
+
+void MainWindow::dragEnterEvent(QDragEnterEvent* event)
+{
+    if (!sceneIn(event->mimeData()).isEmpty()) event->acceptProposedAction();
+}
+
+void MainWindow::dropEvent(QDropEvent* event)
+{
+    const QString file = sceneIn(event->mimeData());
+    if (file.isEmpty()) return;
+    event->acceptProposedAction();
+    openScene(file);
+}
+
+void MainWindow::closeEvent(QCloseEvent* event)
+{
+    if (settings_ != nullptr) {
+        settings_->setValue("geometry", saveGeometry());
+        settings_->setValue("docks", saveState());
+        settings_->setValue("lightTheme", lightTheme_->isChecked());
+        settings_->setValue("tone", tone_->currentIndex());
+    }
+    bridge_->cancel();
+    QMainWindow::closeEvent(event);
+}
+
+} // namespace lightloom

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "core/params/bake_params.h"
+#include "widgets/bake_view.h"
+#include "widgets/gl/draw_data.h"
+#include "widgets/theme.h"
+#include <QMainWindow>
+#include <QTimer>
+#include <optional>
+
+class QAction;
+class QActionGroup;
+class QComboBox;
+class QDoubleSpinBox;
+class QHBoxLayout;
+class QLabel;
+class QMenu;
+class QSettings;
+class QStackedWidget;
+
+namespace lightloom {
+
+class BakeBridge;
+class BakePanel;
+class MessageBar;
+class ParamPanel;
+class SceneDock;
+class SceneLoader;
+class SnapshotBar;
+class ViewWorker;
+class Viewport;
+struct Progress;
+struct WorkCounters;
+enum class ViewMode;
+
+/// The window: scene dock, picture, bake dock, and who tells whom. A bake starts by itself when a scene opens and
+/// after every edit. Reading files, baking, mixing and measuring happen on workers; nothing here waits for them.
+class MainWindow final : public QMainWindow {
+    Q_OBJECT
+public:
+    /// `settings` (may be null: nothing is remembered) must outlive the window.
+    explicit MainWindow(QSettings* settings);
+    ~MainWindow() override;
+
+    void openScene(const QString& file);
+    void setParams(const BakeParams& params); ///< as if edited in the panel
+
+    // for whoever drives the window: the screenshot of the program, and tests
+    [[nodiscard]] Viewport* viewport() const { return viewport_; } ///< null without OpenGL
+    [[nodiscard]] SceneDock& sceneDock() const { return *sceneDock_; }
+    [[nodiscard]] SnapshotBar& snapshots() const { return *snapshots_; }
+    [[nodiscard]] BakePanel& bakePanel() const { return *bakePanel_; }
+    [[nodiscard]] MessageBar& messages() const { return *messages_; }
+    [[nodiscard]] std::shared_ptr<const Scene> scene() const { return data_ ? data_->scene : nullptr; }
+    [[nodiscard]] bool isBaking() const { return isBaking_; }
+    [[nodiscard]] bool isPaused() const;
+
+Q_SIGNALS:
+    void sceneOpened();
+    void openFailed();
+    void lightShown(bool isFinal);
+    void bakeEnded(bool isComplete);
+
+protected:
+    void dragEnterEvent(QDragEnterEvent* event) override;
+    void dropEvent(QDropEvent* event) override;
+    void closeEvent(QCloseEvent* event) override;
+
+private:
+    // main_window.cpp: what happens
+    void connectWorkers();
+    void setScene(std::shared_ptr<const DrawData> opened, const QString& file);
+    void startBake(bool urgent);
+    void paramsEdited();
+    void mixEdited();
+    void showView(const BakeView& view);
+    void takeView(const BakeView& view);
+    void bakeFinished(quint64 serial, const QString& error, bool isCancelled, const WorkCounters& counters);
+    void showMeasurement(const Measurement& measurement);
+    void setTheme(Theme theme);
+    void chooseFile();
+    void rememberFile(const QString& file);
+    void showFrame(double ms, bool isFull);
+    // main_window_menus.cpp: what it looks like
+    void buildCentre();
+    void buildDocks();
+    void buildStatus();
+    void buildToolbar(QHBoxLayout& row);
+    void makeActions();
+    void buildMenus();
+    void fillRecent();
+    void showShortcuts();
+    QAction* makeAction(const QString& text, const QKeySequence& keys, const QString& tip);
+    void addModeAction(const QString& text, Qt::Key key, ViewMode mode, const QString& tip);
+    void restore();
+
+    QSettings* settings_;
+    std::shared_ptr<const DrawData> data_;
+    Mix bakedMix_; ///< of the newest job: groups that are off in it have no layer
+    Mix mix_;
+    std::uint64_t mixSerial_ = 0, jobSerial_ = 0;
+    std::optional<std::uint64_t> rowSerial_; ///< job whose snapshots stand in the row
+    bool isBaking_ = false;
+    BakeParams bakedParams_;
+    QTimer editDelay_;
+
+    SceneLoader* loader_;
+    BakeBridge* bridge_;
+    ViewWorker* worker_;
+    Viewport* viewport_ = nullptr;
+    QStackedWidget* pages_ = nullptr;
+    QWidget* workPage_ = nullptr;
+    MessageBar* messages_ = nullptr;
+    SceneDock* sceneDock_ = nullptr;
+    ParamPanel* paramPanel_ = nullptr;
+    BakePanel* bakePanel_ = nullptr;
+    SnapshotBar* snapshots_ = nullptr;
+    QDoubleSpinBox* exposure_ = nullptr;
+    QComboBox* tone_ = nullptr;
+    QLabel *statusStage_ = nullptr, *statusLux_ = nullptr, *statusFrame_ = nullptr, *statusSize_ = nullptr;
+    QMenu *recent_ = nullptr, *cameraMenu_ = nullptr, *panels_ = nullptr;
+    QAction *open_ = nullptr, *quit_ = nullptr, *frame_ = nullptr, *indirect_ = nullptr, *brighter_ = nullptr,
+            *darker_ = nullptr, *lightTheme_ = nullptr, *start_ = nullptr, *pause_ = nullptr, *cancel_ = nullptr,
+            *resetParams_ = nullptr, *shortcuts_ = nullptr, *about_ = nullptr;
+    QActionGroup* modes_ = nullptr;
+};
+
+} // namespace lightloom

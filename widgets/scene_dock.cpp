@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "widgets/scene_dock.h"
+#include <QCheckBox>
+#include <QHBoxLayout>
+#include <QLabel>
+#include <QListWidget>
+#include <QLocale>
+#include <QScrollArea>
+#include <QSlider>
+#include <QVBoxLayout>
+
+namespace lightloom {
+
+namespace {
+constexpr int kMostPercent = 200;
+
+QLabel* title(const QString& text)
+{
+    auto* label = new QLabel(QStringLiteral("<b>%1</b>").arg(text));
+    label->setContentsMargins(0, 6, 0, 0);
+    return label;
+}
+} // namespace
+
+SceneDock::SceneDock(QWidget* parent)
+    : QWidget(parent), cameras_(new QListWidget), column_(new QVBoxLayout(this)), about_(new QLabel)
+{
+    cameras_->setAccessibleName(tr("Cameras"));
+    cameras_->setToolTip(tr("Click to look through a camera of the scene."));
+    cameras_->setMaximumHeight(110);
+    about_->setWordWrap(true);
+    column_->setContentsMargins(6, 6, 6, 6);
+    column_->addWidget(about_);
+    column_->addWidget(title(tr("Cameras")));
+    column_->addWidget(cameras_);
+    column_->addWidget(title(tr("Lamps")));
+    setScene(nullptr);
+    const auto choose = [this](QListWidgetItem* item) { Q_EMIT cameraChosen(cameras_->row(item)); };
+    connect(cameras_, &QListWidget::itemClicked, this, choose);
+    connect(cameras_, &QListWidget::itemActivated, this, choose);
+}
+
+void SceneDock::setScene(const std::shared_ptr<const Scene>& scene)
+{
+    cameras_->clear();
+    lamps_.clear();
+    delete lampBox_;
+    auto* area = new QScrollArea;
+    area->setWidgetResizable(true);
+    area->setFrameShape(QFrame::NoFrame);
+    area->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+    auto* inside = new QWidget;
+    auto* rows = new QVBoxLayout(inside);
+    rows->setContentsMargins(0, 0, 0, 0);
+    if (scene) {
+        std::size_t triangles = 0;
+        for (const Instance& i : scene->instances) {
+            triangles += scene->meshes[static_cast<std::size_t>(i.mesh)].triangles.size();
+        }
+        about_->setText(tr("<b>%1</b><br>%2 triangles in %3 objects")
+                            .arg(QString::fromStdString(scene->name).toHtmlEscaped(),
+                                 QLocale().toString(static_cast<qulonglong>(triangles)))
+                            .arg(scene->instances.size()));
+        for (const Camera& camera : scene->cameras) cameras_->addItem(QString::fromStdString(camera.name));
+        for (const LightGroup& group : scene->groups) addLamp(group, *rows);
+        if (scene->groups.empty()) rows->addWidget(new QLabel(tr("This scene has no lamps.")));
+    } else {
+        about_->setText(tr("No scene is open."));
+    }
+    rows->addStretch(1);
+    area->setWidget(inside);
+    lampBox_ = area;
+    column_->addWidget(area, 1);
+}
+
+void SceneDock::addLamp(const LightGroup& group, QVBoxLayout& column)
+{
+    const QString name = QString::fromStdString(group.label.empty() ? group.id : group.label);
+    Lamp lamp{new QCheckBox(name), new QSlider(Qt::Horizontal), new QLabel};
+    lamp.on->setChecked(true);
+    lamp.on->setObjectName("lamp." + QString::fromStdString(group.id));
+    lamp.on->setToolTip(tr("Switch %1 on or off").arg(QString::fromStdString(group.id)));
+    lamp.gain->setObjectName("gain." + QString::fromStdString(group.id));
+    lamp.gain->setRange(0, kMostPercent);
+    lamp.gain->setPageStep(10);
+    lamp.gain->setValue(100);
+    lamp.gain->setAccessibleName(tr("Brightness of %1 in percent").arg(name));
+    lamp.gain->setToolTip(tr("Dims without a new bake. 100 % is the lamp as the file has it."));
+    lamp.value->setMinimumWidth(lamp.value->fontMetrics().horizontalAdvance(QStringLiteral("200 % ")));
+    lamp.value->setAlignment(Qt::AlignRight | Qt::AlignVCenter);
+    lamp.value->setText(QStringLiteral("100 %"));
+    auto* row = new QHBoxLayout;
+    row->setContentsMargins(18, 0, 0, 4);
+    row->addWidget(lamp.gain, 1);
+    row->addWidget(lamp.value);
+    column.addWidget(lamp.on);
+    column.addLayout(row);
+    QLabel* value = lamp.value;
+    QSlider* gain = lamp.gain;
+    connect(gain, &QSlider::valueChanged, this, [this, value](int percent) {
+        value->setText(QStringLiteral("%1 %").arg(percent));
+        Q_EMIT mixEdited();
+    });
+    connect(lamp.on, &QCheckBox::toggled, this, [this, gain](bool on) {
+        gain->setEnabled(on);
+        Q_EMIT mixEdited();
+    });
+    lamps_.push_back(lamp);
+}
+
+Mix SceneDock::mix() const
+{
+    Mix mix;
+    for (const Lamp& lamp : lamps_) {
+        mix.emplace_back(lamp.on->isChecked() ? static_cast<float>(lamp.gain->value()) / 100.0f : 0.0f);
+    }
+    return mix;
+}
+
+} // namespace lightloom

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "widgets/snapshot_bar.h"
+#include <QHBoxLayout>
+#include <QLabel>
+#include <QToolButton>
+
+namespace lightloom {
+
+SnapshotBar::SnapshotBar(QWidget* parent)
+    : QWidget(parent), row_(new QHBoxLayout(this)), empty_(new QLabel(tr("none yet")))
+{
+    row_->setContentsMargins(8, 2, 8, 2);
+    row_->addWidget(new QLabel(tr("Snapshots:")));
+    row_->addWidget(empty_);
+    row_->addStretch(1);
+    setToolTip(tr("Refinements of this bake. Click one to look at it; the last one follows the bake."));
+}
+
+void SnapshotBar::clear()
+{
+    for (QToolButton* button : buttons_) delete button;
+    buttons_.clear();
+    views_.clear();
+    shown_ = 0;
+    empty_->show();
+}
+
+void SnapshotBar::add(const BakeView& view)
+{
+    const bool follows = views_.empty() || shown_ + 1 == views_.size();
+    const double seconds = view.snapshot.elapsedMs / 1000.0;
+    auto* button = new QToolButton;
+    button->setText(tr("d%1  %2 s").arg(view.snapshot.level).arg(seconds, 0, 'f', seconds < 10.0 ? 2 : 1));
+    button->setToolTip(view.snapshot.isFinal ? tr("Final: depth %1").arg(view.snapshot.level)
+                                             : tr("Refinement: depth %1").arg(view.snapshot.level));
+    button->setAccessibleName(tr("Snapshot of depth %1").arg(view.snapshot.level));
+    button->setCheckable(true);
+    button->setAutoRaise(true);
+    const std::size_t index = views_.size();
+    views_.push_back(view);
+    buttons_.push_back(button);
+    row_->insertWidget(row_->count() - 1, button);
+    empty_->hide();
+    connect(button, &QToolButton::clicked, this, [this, index] {
+        choose(index);
+        Q_EMIT chosen();
+    });
+    choose(follows ? index : shown_);
+}
+
+void SnapshotBar::choose(std::size_t index)
+{
+    shown_ = index;
+    for (std::size_t i = 0; i < buttons_.size(); ++i) buttons_[i]->setChecked(i == index);
+}
+
+void SnapshotBar::replaceShown(const BakeView& view)
+{
+    if (shown_ < views_.size() && views_[shown_].snapshot.serial == view.snapshot.serial &&
+        views_[shown_].snapshot.level == view.snapshot.level) {
+        views_[shown_] = view;
+    }
+}
+
+const BakeView* SnapshotBar::shown() const { return shown_ < views_.size() ? &views_[shown_] : nullptr; }
+
+} // namespace lightloom

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "widgets/bake_view.h"
+#include <QWidget>
+#include <vector>
+
+class QHBoxLayout;
+class QLabel;
+class QToolButton;
+
+namespace lightloom {
+
+/// The refinements of the running or last bake, oldest first. The newest is shown until the user clicks another one;
+/// clicking the newest follows again.
+class SnapshotBar final : public QWidget {
+    Q_OBJECT
+public:
+    explicit SnapshotBar(QWidget* parent = nullptr);
+    void clear();
+    void add(const BakeView& view);
+    /// The shown snapshot under a new mix takes the place of the old one.
+    void replaceShown(const BakeView& view);
+    /// Null while there is none.
+    [[nodiscard]] const BakeView* shown() const;
+    [[nodiscard]] int count() const { return static_cast<int>(views_.size()); }
+
+Q_SIGNALS:
+    void chosen(); ///< `shown()` is another one
+
+private:
+    void choose(std::size_t index);
+
+    QHBoxLayout* row_;
+    QLabel* empty_;
+    std::vector<BakeView> views_;
+    std::vector<QToolButton*> buttons_;
+    std::size_t shown_ = 0;
+};
+
+} // namespace lightloom

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "widgets/view_worker.h"
+#include "core/base/units.h"
+#include "core/trace/direct_light.h"
+
+namespace lightloom {
+
+namespace {
+
+constexpr int kShadowRays = 64; ///< per shining surface; a figure under a cursor needs no more
+
+Measurement measureAt(const BakeView& view, const Mix& mix, glm::vec3 p, glm::vec3 n)
+{
+    Measurement out;
+    out.isOnSurface = true;
+    out.position = p;
+    glm::vec3 lux(0.0f);
+    if (view.snapshot.field && view.snapshot.field->lookup(p, n, lux)) out.indirectLux = luminance(lux);
+    out.directLux = -1.0;
+    if (view.rays && view.lights) {
+        Rng rng(1, 0, 0);
+        out.directLux = luminance(directIlluminance(*view.rays, *view.lights, mix, p, n, kShadowRays, rng));
+    }
+    return out;
+}
+
+} // namespace
+
+ViewWorker::ViewWorker(QObject* parent) : QObject(parent), thread_([this](const std::stop_token& quit) { work(quit); })
+{
+}
+
+ViewWorker::~ViewWorker()
+{
+    thread_.request_stop();
+    thread_.join();
+}
+
+void ViewWorker::mix(BakeView view, Mix mix, std::uint64_t mixSerial)
+{
+    std::lock_guard lock(mutex_);
+    mix_ = MixRequest{std::move(view), std::move(mix), mixSerial};
+    wake_.notify_one();
+}
+
+void ViewWorker::measure(BakeView view, Mix mix, glm::vec3 p, glm::vec3 n)
+{
+    std::lock_guard lock(mutex_);
+    measure_ = MeasureRequest{std::move(view), std::move(mix), p, n};
+    wake_.notify_one();
+}
+
+void ViewWorker::work(const std::stop_token& quit)
+{
+    const FlushDenormals flush;
+    while (true) {
+        std::unique_lock lock(mutex_);
+        if (!wake_.wait(lock, quit, [this] { return mix_ || measure_; }) || quit.stop_requested()) return;
+        if (mix_) {
+            MixRequest request = std::move(*mix_);
+            mix_.reset();
+            lock.unlock();
+            Q_EMIT mixed(withMix(std::move(request.view), request.mix, request.serial));
+        } else {
+            const MeasureRequest request = std::move(*measure_);
+            measure_.reset();
+            lock.unlock();
+            Q_EMIT measured(measureAt(request.view, request.mix, request.p, request.n));
+        }
+    }
+}
+
+} // namespace lightloom

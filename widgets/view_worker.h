@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "widgets/bake_view.h"
+#include <QObject>
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+namespace lightloom {
+
+/// One thread beside the bake for what the viewport asks for: the same light under another mix, and the illuminance
+/// under the cursor. Of each kind the newest request wins; mixing comes first. Shoots no photons.
+class ViewWorker final : public QObject {
+    Q_OBJECT
+public:
+    explicit ViewWorker(QObject* parent = nullptr);
+    ~ViewWorker() override;
+
+    void mix(BakeView view, Mix mix, std::uint64_t mixSerial);
+    /// Illuminance at `p` facing `n` from the view's field, and from its lamps with shadow rays under `mix`.
+    void measure(BakeView view, Mix mix, glm::vec3 p, glm::vec3 n);
+
+Q_SIGNALS:
+    void mixed(lightloom::BakeView view);
+    void measured(lightloom::Measurement measurement);
+
+private:
+    struct MixRequest {
+        BakeView view;
+        Mix mix;
+        std::uint64_t serial = 0;
+    };
+    struct MeasureRequest {
+        BakeView view;
+        Mix mix;
+        glm::vec3 p, n;
+    };
+    void work(const std::stop_token& quit);
+
+    std::mutex mutex_;
+    std::condition_variable_any wake_;
+    std::optional<MixRequest> mix_;
+    std::optional<MeasureRequest> measure_;
+    std::jthread thread_; // last: it uses all of the above
+};
+
+} // namespace lightloom

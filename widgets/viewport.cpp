@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "widgets/viewport.h"
+#include <QOpenGLContext>
+#include <QOpenGLVersionFunctionsFactory>
+#include <cmath>
+
+namespace lightloom {
+
+namespace {
+
+constexpr int kSamples = 8;        ///< pictures that are averaged at rest
+constexpr int kRestMs = 180;       ///< without motion until the full picture
+constexpr double kShadowMs = 12.0; ///< of a frame, for shadow maps
+constexpr double kSmoothMs = 50.0; ///< a moving picture should not take longer
+constexpr float kCoarsest = 0.25f;
+
+} // namespace
+
+Viewport::Viewport(QWidget* parent) : QOpenGLWidget(parent)
+{
+    setFocusPolicy(Qt::StrongFocus);
+    setMouseTracking(true);
+    setMinimumSize(160, 120);
+    setAccessibleName(tr("Picture of the scene"));
+    rest_.setSingleShot(true);
+    rest_.setInterval(kRestMs);
+    connect(&rest_, &QTimer::timeout, this, [this] {
+        isMoving_ = false;
+        changed();
+    });
+    walk_.setInterval(16);
+    connect(&walk_, &QTimer::timeout, this, &Viewport::walkStep);
+    hover_.setSingleShot(true);
+    hover_.setInterval(60);
+    connect(&hover_, &QTimer::timeout, this, &Viewport::hover);
+    more_.setSingleShot(true);
+    more_.setInterval(1); // between two pictures the event loop gets its turn
+    connect(&more_, &QTimer::timeout, this, qOverload<>(&QWidget::update));
+}
+
+Viewport::~Viewport() { releaseGl(); }
+
+void Viewport::initializeGL()
+{
+    connect(context(), &QOpenGLContext::aboutToBeDestroyed, this, &Viewport::releaseGl, Qt::UniqueConnection);
+    gl_ = QOpenGLVersionFunctionsFactory::get<Gl>(context());
+    if (gl_ == nullptr || !gl_->initializeOpenGLFunctions()) {
+        Q_EMIT problem(tr("This window got no OpenGL 3.3; a newer graphics driver may help."));
+        return;
+    }
+    Result<std::unique_ptr<Renderer>> made = Renderer::make(*gl_);
+    if (!made) {
+        Q_EMIT problem(QString::fromStdString(made.error().message));
+        return;
+    }
+    renderer_ = std::move(*made);
+    sceneIsNew_ = octreeIsNew_ = mixIsNew_ = true; // what was set before there was a context
+}
+
+void Viewport::releaseGl()
+{
+    if (!renderer_) return;
+    makeCurrent();
+    renderer_.reset();
+    doneCurrent();
+}
+
+void Viewport::setScene(std::shared_ptr<const DrawData> drawn)
+{
+    data_ = std::move(drawn);
+    octree_.reset();
+    mix_.clear();
+    sceneIsNew_ = mixIsNew_ = true;
+    octreeIsNew_ = false; // the renderer drops the old one with the scene
+    shadowsReady_ = false;
+    needsMetering_ = data_ && !data_->scene->exposureEv;
+    if (data_) {
+        const Scene& scene = *data_->scene;
+        camera_ = CameraControl();
+        camera_.setBounds(scene.bounds);
+        if (scene.cameras.empty()) {
+            camera_.frame(scene.bounds, aspect());
+        } else {
+            camera_.setFrom(scene.cameras.front(), scene.bounds);
+        }
+        if (scene.exposureEv) frame_.exposureEv = *scene.exposureEv;
+    }
+    changed();
+}
+
+void Viewport::setLight(const BakeView& view)
+{
+    octree_ = view.gpu;
+    octreeIsNew_ = true;
+    changed();
+}
+
+void Viewport::setMix(const Mix& mix)
+{
+    mix_ = mix;
+    mixIsNew_ = true;
+    changed();
+}
+
+void Viewport::setMode(ViewMode mode)
+{
+    frame_.mode = mode;
+    changed();
+}
+
+void Viewport::setIndirectOnly(bool only)
+{
+    frame_.indirectOnly = only;
+    changed();
+}
+
+void Viewport::setExposure(float ev)
+{
+    frame_.exposureEv = ev;
+    needsMetering_ = false;
+    changed();
+}
+
+void Viewport::setTone(int tone)
+{
+    frame_.tone = tone;
+    changed();
+}
+
+void Viewport::setBackground(glm::vec3 shown)
+{
+    frame_.background = shown;
+    changed();
+}
+
+void Viewport::useCamera(const Camera& camera)
+{
+    if (!data_) return;
+    camera_.setFrom(camera, data_->scene->bounds);
+    changed();
+}
+
+void Viewport::frameScene()
+{
+    if (!data_) return;
+    camera_.frame(data_->scene->bounds, aspect());
+    changed();
+}
+
+bool Viewport::isSettled() const
+{
+    const bool isDrawn = !isMoving_ && scale_ == 1.0f && shadowsReady_ && sample_ >= kSamples;
+    return isDrawn && !sceneIsNew_ && !octreeIsNew_ && !mixIsNew_;
+}
+
+void Viewport::moved()
+{
+    isMoving_ = true;
+    rest_.start();
+    changed();
+}
+
+void Viewport::changed()
+{
+    sample_ = 0;
+    toldSettled_ = false;
+    update();
+}
+
+float Viewport::aspect() const
+{
+    return static_cast<float>(std::max(width(), 1)) / static_cast<float>(std::max(height(), 1));
+}
+
+void Viewport::resizeGL(int, int) { moved(); } // a window being dragged larger moves too
+
+void Viewport::applyPending()
+{
+    Result<Done> outcome = Done{};
+    if (sceneIsNew_) outcome = renderer_->setScene(data_);
+    if (outcome && octreeIsNew_) outcome = renderer_->setOctree(octree_);
+    if (mixIsNew_ || sceneIsNew_) renderer_->setMix(mix_);
+    sceneIsNew_ = octreeIsNew_ = mixIsNew_ = false;
+    if (!outcome) Q_EMIT problem(QString::fromStdString(outcome.error().message));
+}
+
+void Viewport::paintGL()
+{
+    if (!renderer_) return;
+    applyPending();
+    const bool before = shadowsReady_;
+    shadowsReady_ = renderer_->drawShadows(isMoving_ ? 0.5 * kShadowMs : kShadowMs);
+    if (!before) sample_ = 0; // lit differently than the pictures averaged so far
+    const float ratio = static_cast<float>(devicePixelRatioF());
+    const glm::ivec2 window = glm::max(glm::ivec2(glm::vec2(width(), height()) * ratio + 0.5f), glm::ivec2(1));
+    scale_ = isMoving_ ? movingScale_ : 1.0f;
+    frame_.eye = camera_.eye();
+    frame_.view = camera_.view();
+    frame_.projection = camera_.projection(aspect());
+    QElapsedTimer clock;
+    clock.start();
+    const Result<Done> drawn =
+        renderer_->draw(frame_, std::min(sample_, kSamples - 1), glm::ivec2(glm::vec2(window) * scale_),
+                        defaultFramebufferObject(), window);
+    renderer_->finish();
+    if (!drawn) {
+        Q_EMIT problem(QString::fromStdString(drawn.error().message));
+        return;
+    }
+    frameMs_ = static_cast<double>(clock.nsecsElapsed()) * 1e-6;
+    if (isMoving_) { // half the pixels take half the time, nearly
+        if (frameMs_ > kSmoothMs) movingScale_ = std::max(kCoarsest, movingScale_ * 0.8f);
+        if (frameMs_ < 0.4 * kSmoothMs) movingScale_ = std::min(1.0f, movingScale_ * 1.15f);
+    }
+    if (needsMetering_ && octree_ && frame_.mode == ViewMode::octree) meter();
+    ++sample_;
+    Q_EMIT frameDrawn(frameMs_, !isMoving_);
+    if (!data_) return;
+    if (!isMoving_ && (sample_ < kSamples || !shadowsReady_)) {
+        more_.start();
+    } else if (isSettled() && !toldSettled_) {
+        toldSettled_ = true;
+        Q_EMIT settled();
+    }
+}
+
+void Viewport::meter()
+{
+    const std::optional<float> mean = renderer_->meanLogLuminance();
+    if (!mean) return;
+    needsMetering_ = false;
+    // reflected light meter, ISO 2720 with K = 12.5 at ISO 100: mean luminance = 2^EV K / 100
+    frame_.exposureEv = std::round(2.0f * (*mean + 3.0f)) * 0.5f;
+    Q_EMIT exposureMetered(frame_.exposureEv);
+    changed();
+}
+
+std::optional<Renderer::SurfaceSample> Viewport::surfaceAt(QPointF position)
+{
+    if (!renderer_ || !data_) return std::nullopt;
+    makeCurrent();
+    const auto found = renderer_->surfaceAt(placeOf(position));
+    doneCurrent();
+    return found;
+}
+
+void Viewport::hover()
+{
+    const auto found = surfaceAt(hoverAt_);
+    const Renderer::SurfaceSample none{glm::vec3(0.0f), glm::vec3(0.0f)};
+    Q_EMIT hovered(found.has_value(), found.value_or(none).position, found.value_or(none).normal);
+}
+
+} // namespace lightloom

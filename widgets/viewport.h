@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "widgets/bake_view.h"
+#include "widgets/camera_control.h"
+#include "widgets/gl/renderer.h"
+#include <QElapsedTimer>
+#include <QOpenGLWidget>
+#include <QPointF>
+#include <QSet>
+#include <QTimer>
+
+namespace lightloom {
+
+/// The picture. Draws when something changed and not otherwise: at half resolution while the camera moves, at full
+/// resolution when it rests, then a few more times through shifted pixels until edges are smooth. Never waits for a
+/// bake. Show one only where `probeGl()` found OpenGL.
+///
+/// Left drag orbits, middle or shift-drag pans, the wheel zooms to the cursor, right drag looks around and W A S D (Q E
+/// down, up) walks meanwhile, a double click sets the pivot.
+class Viewport final : public QOpenGLWidget {
+    Q_OBJECT
+public:
+    explicit Viewport(QWidget* parent = nullptr);
+    ~Viewport() override;
+
+    void setScene(std::shared_ptr<const DrawData> drawn); ///< null: empty
+    void setLight(const BakeView& view);
+    void setMix(const Mix& mix);
+    void setMode(ViewMode mode);
+    void setIndirectOnly(bool only);
+    void setExposure(float ev);
+    void setTone(int tone);
+    void setBackground(glm::vec3 shown);
+    void useCamera(const Camera& camera);
+    void frameScene();
+
+    [[nodiscard]] const CameraControl& camera() const { return camera_; }
+    [[nodiscard]] ViewMode mode() const { return frame_.mode; }
+    [[nodiscard]] double frameMs() const { return frameMs_; } ///< of the last picture, until the GPU was done
+    /// Nothing more will change by itself: full resolution, all shadow maps, smooth edges.
+    [[nodiscard]] bool isSettled() const;
+    [[nodiscard]] int shadowLayersDrawn() const { return renderer_ ? renderer_->shadowLayersDrawn() : 0; }
+    /// Share of the widget's resolution of the last picture.
+    [[nodiscard]] float scale() const { return scale_; }
+
+Q_SIGNALS:
+    void frameDrawn(double ms, bool isFull);
+    void settled();
+    void hovered(bool isOnSurface, glm::vec3 position, glm::vec3 normal);
+    void exposureMetered(float ev); ///< once for a scene that names no exposure
+    void problem(QString message);
+
+protected:
+    void initializeGL() override;
+    void paintGL() override;
+    void resizeGL(int width, int height) override;
+    void mousePressEvent(QMouseEvent* event) override;
+    void mouseReleaseEvent(QMouseEvent* event) override;
+    void mouseMoveEvent(QMouseEvent* event) override;
+    void mouseDoubleClickEvent(QMouseEvent* event) override;
+    void wheelEvent(QWheelEvent* event) override;
+    void keyPressEvent(QKeyEvent* event) override;
+    void keyReleaseEvent(QKeyEvent* event) override;
+    void focusOutEvent(QFocusEvent* event) override;
+    void leaveEvent(QEvent* event) override;
+
+private:
+    void releaseGl();
+    void applyPending();
+    void moved();   ///< the camera did: coarse picture now, full one soon
+    void changed(); ///< anything else did
+    void walkStep();
+    void hover();
+    void meter();
+    [[nodiscard]] glm::vec2 placeOf(QPointF position) const; ///< 0 to 1 from the lower left
+    [[nodiscard]] glm::vec2 stepOf(QPointF delta) const;     ///< in heights, y upwards
+    [[nodiscard]] std::optional<Renderer::SurfaceSample> surfaceAt(QPointF position);
+    [[nodiscard]] float aspect() const;
+
+    CameraControl camera_;
+    FrameView frame_;
+    std::unique_ptr<Renderer> renderer_;
+    Gl* gl_ = nullptr;
+    std::shared_ptr<const DrawData> data_;
+    std::shared_ptr<const GpuOctree> octree_;
+    Mix mix_;
+    bool sceneIsNew_ = false, octreeIsNew_ = false, mixIsNew_ = false, needsMetering_ = false;
+    bool isMoving_ = false, shadowsReady_ = false, toldSettled_ = false;
+    int sample_ = 0; ///< pictures averaged so far
+    float scale_ = 1.0f, movingScale_ = 0.5f;
+    double frameMs_ = 0;
+    QPointF last_, hoverAt_;
+    QSet<int> keys_;
+    QElapsedTimer walkClock_;
+    QTimer rest_, walk_, hover_, more_;
+};
+
+} // namespace lightloom
