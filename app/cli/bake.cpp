@@ -99,7 +99,8 @@ int bake(const Context& context, const BakeCommand& command)
     if (!bytes) return fail(bytes.error());
     if (const Result<Done> wrote = writeFile(command.output, *bytes); !wrote) return failWriting(wrote.error());
     if (context.json) {
-        fmt::print("{}\n", report(*lighting, info, bytes->size(), context.workers->threadCount()).dump(2));
+        fmt::print("{}\n", report(*lighting, info, bytes->size(), context.workers->threadCount())
+                               .dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
     } else if (!context.quiet) {
         print(*lighting, command.output, bytes->size());
     }

@@ -62,6 +62,22 @@ Result<BakeParams> shownWith(const BakeParams& baked, const BakeOptions& options
     return asked;
 }
 
+/// The photon map's field over a file's photons; trees and reached surface are made anew.
+Result<Done> fromPhotons(const Context& context, const BakeFile& file, Lighting& lighting)
+{
+    const LitScene& lit = lighting.lit;
+    const auto reach = LightReach::find(*lit.rays, *lit.lights, *context.workers, context.stop);
+    if (!reach) return cancelled();
+    std::vector<std::shared_ptr<const PhotonMap>> maps;
+    for (const auto& photons : file.photons) {
+        maps.push_back(photons ? PhotonMap::build(photons, context.stop) : nullptr);
+        if (photons && !maps.back()) return cancelled();
+    }
+    lighting.field =
+        photonMapField(lighting.params, lit.scene->bounds, std::make_shared<SurfaceArea>(*reach), maps, Mix{});
+    return Done{};
+}
+
 Result<Done> readBaked(const Context& context, const LightingRequest& request, Lighting& lighting)
 {
     Result<LitScene> lit = readLitScene(context, request.scene, request.options.isa);
@@ -78,6 +94,7 @@ Result<Done> readBaked(const Context& context, const LightingRequest& request, L
     const Result<BakeParams> params = shownWith(file->info.params, request.options, lighting.method);
     if (!params) return params.error();
     lighting.params = *params;
+    if (lighting.method == Method::photonMap) return fromPhotons(context, *file, lighting);
     return Done{};
 }
 
