@@ -12,6 +12,7 @@
 #include <QTemporaryDir>
 #include <QtTest>
 #include <cmath>
+#include <ctime>
 #include <functional>
 #include <limits>
 #include <sys/stat.h>
@@ -87,6 +88,24 @@ QString show(const Result<std::shared_ptr<const Scene>>& scene)
 {
     return scene ? QString("it was read") : QString::fromStdString(scene.error().message);
 }
+
+/// Time this thread has spent computing: what a file costs, whoever else uses the machine. Sanitizers slow code down.
+class CpuClock {
+public:
+    [[nodiscard]] bool isWithinASecond() const
+    {
+        return static_cast<double>(now() - start_) <= kSecond * CLOCKS_PER_SEC;
+    }
+
+private:
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    static constexpr double kSecond = 8.0;
+#else
+    static constexpr double kSecond = 1.0;
+#endif
+    static std::clock_t now() { return std::clock(); }
+    std::clock_t start_ = now();
+};
 
 /// One printable line of sensible length.
 bool isOneLine(const std::string& text)
@@ -264,10 +283,9 @@ private Q_SLOTS:
         if (!file.root["buffers"][0].contains("uri") && promised < file.binary.size()) {
             file.root["buffers"][0]["byteLength"] = file.binary.size(); // the case added data of its own
         }
-        QElapsedTimer clock;
-        clock.start();
+        const CpuClock clock;
         const auto scene = readScene(GltfBuilder::glbOf(file.root.dump(), file.binary), ".");
-        QVERIFY2(clock.elapsed() < 1000, "it took longer than a second");
+        QVERIFY2(clock.isWithinASecond(), "it took longer than a second");
         QVERIFY2(!scene, qPrintable(show(scene)));
         QVERIFY2(isOneLine(scene.error().message), qPrintable(show(scene)));
         QVERIFY2(scene.error().message.find(c.says) != std::string::npos, qPrintable(show(scene)));
@@ -301,10 +319,9 @@ private Q_SLOTS:
     void textThatIsNotGltf()
     {
         QFETCH(QByteArray, text);
-        QElapsedTimer clock;
-        clock.start();
+        const CpuClock clock;
         const auto scene = readScene(Bytes(text.begin(), text.end()), ".");
-        QVERIFY2(clock.elapsed() < 1000, "it took longer than a second");
+        QVERIFY2(clock.isWithinASecond(), "it took longer than a second");
         QVERIFY2(!scene && isOneLine(scene.error().message), qPrintable(show(scene)));
     }
 
