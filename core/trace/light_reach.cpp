@@ -10,7 +10,8 @@ namespace lightloom {
 namespace {
 
 constexpr std::uint32_t kWalks = 32'768, kWalksPerBlock = 512, kBounces = 8; ///< walks in all, shared by the lamps
-constexpr std::uint32_t kLooks = 48;                                         ///< lines of sight that an element tries
+constexpr std::size_t kLooks = 16;   ///< lines of sight that an element tries, half of them nearby
+constexpr std::size_t kNearby = 256; ///< open points that count as nearby, along the Morton curve
 constexpr float kFar = std::numeric_limits<float>::infinity();
 
 /// A point that light certainly reaches, moved off its surface.
@@ -40,26 +41,27 @@ public:
         });
     }
 
-    /// Elements not reached yet look for open points, What they find gives new open points; repeats until
-    /// nothing changes.
+    /// Elements not reached yet look for open points, the first time for any, then for those the last round found;
+    /// repeats until nothing is found.
     bool lookAround(Workers& workers, const std::stop_token& stop)
     {
-        for (std::uint64_t round = 0; round < 32; ++round) {
+        std::size_t first = 0; // of the points to look for
+        for (std::uint64_t round = 0; round < 32 && first < open_.size(); ++round) {
             std::vector<std::uint32_t> unreached;
             for (std::uint32_t e = 0; e < reached_.size(); ++e) {
                 if (!reached_[e]) unreached.push_back(e);
             }
-            const std::size_t before = open_.size();
-            if (unreached.empty() || before == 0) return true;
+            const std::vector<Target> targets = sortedAlongCurve(first);
+            first = open_.size();
             constexpr std::size_t kBlock = 64;
             const bool all = collect((unreached.size() + kBlock - 1) / kBlock, workers, stop,
                                      [&](std::size_t block, std::vector<OpenPoint>& found) {
                                          const std::size_t end = std::min(unreached.size(), (block + 1) * kBlock);
-                                         for (std::size_t i = block * kBlock; i < end; ++i)
-                                             look(unreached[i], round, found);
+                                         for (std::size_t i = block * kBlock; i < end && !stop.stop_requested(); ++i) {
+                                             look(unreached[i], round, targets, found);
+                                         }
                                      });
             if (!all) return false;
-            if (open_.size() == before) return true;
         }
         return true;
     }
@@ -96,20 +98,54 @@ private:
         }
     }
 
-    void look(std::uint32_t element, std::uint64_t round, std::vector<OpenPoint>& found) const
+    struct Target {
+        std::uint64_t code; ///< along the Morton curve: neighbours in the list are neighbours in space, mostly
+        std::uint32_t point;
+    };
+
+    [[nodiscard]] std::uint64_t codeOf(glm::vec3 p) const
     {
-        for (std::uint64_t i = 0; i < kLooks; ++i) {
+        const Bounds& bounds = rays_.scene().bounds;
+        const glm::vec3 part = (p - bounds.low) / glm::max(bounds.longestSide(), 1e-30f);
+        return mortonCode(glm::uvec3(glm::clamp(part, 0.0f, 1.0f) * 65535.0f));
+    }
+
+    [[nodiscard]] std::vector<Target> sortedAlongCurve(std::size_t first) const
+    {
+        std::vector<Target> targets;
+        for (std::size_t i = first; i < open_.size(); ++i) {
+            targets.push_back({codeOf(open_[i].p), static_cast<std::uint32_t>(i)});
+        }
+        std::ranges::sort(targets, {}, [](const Target& t) { return std::pair(t.code, t.point); });
+        return targets;
+    }
+
+    void look(std::uint32_t element, std::uint64_t round, const std::vector<Target>& targets,
+              std::vector<OpenPoint>& found) const
+    {
+        const std::size_t tries = std::min(kLooks, 2 * targets.size());
+        for (std::uint64_t i = 0; i < tries; ++i) {
             Rng rng(round, hashName("look around"), (std::uint64_t(element) << 8) + i);
             OpenPoint here{glm::vec3(0.0f), glm::vec3(0.0f), element};
             if (!elements_.sample(element, rng, here.p, here.n)) continue;
             here.p = rays_.leave(here.p, here.n);
-            const OpenPoint& other = open_[rng.bits() % open_.size()];
+            const std::size_t pick = i % 2 ? rng.bits() % targets.size() : nearby(here.p, targets, rng);
+            const OpenPoint& other = open_[targets[pick].point];
             const glm::vec3 line = other.p - here.p;
             const bool facing = glm::dot(line, here.n) > 0.0f && glm::dot(line, other.n) < 0.0f;
             if (!facing || rays_.isBlocked(here.p, other.p)) continue;
             found.push_back(here);
             return;
         }
+    }
+
+    [[nodiscard]] std::size_t nearby(glm::vec3 p, const std::vector<Target>& targets, Rng& rng) const
+    {
+        const std::size_t window = std::min(kNearby, targets.size());
+        const auto at = std::ranges::lower_bound(targets, codeOf(p), {}, &Target::code) - targets.begin();
+        const auto low =
+            static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, at - static_cast<std::ptrdiff_t>(window / 2)));
+        return std::min(low, targets.size() - window) + rng.bits() % window;
     }
 
     const RayScene& rays_;
