@@ -173,13 +173,21 @@ private:
     {
         return glm::normalize(faces_[static_cast<std::size_t>(face)].areaVector());
     }
-    /// The next face that way is met from behind: the point lies in a body, as the floor under a sofa that stands a
-    /// little in the floor. No light comes there, so it is no side of a wall.
+    /// The point lies in a body, as the floor under a sofa that stands a little in the floor: no light comes there, so
+    /// it is no side of a wall. Along a ray from the open each body is entered before it is left; one left more often
+    /// than entered held the point. A room's own walls are only ever entered.
     bool isInside(glm::vec3 p, glm::vec3 away)
     {
-        float distance = 0.0f;
-        const std::int64_t hit = grid_.nearest(p, away, least_, distance, tests);
-        return hit >= 0 && glm::dot(normalOf(hit), away) > 0.0f;
+        constexpr int kMostFaces = 64;
+        int left = 0;
+        for (int i = 0; i < kMostFaces && left <= 0; ++i) {
+            float distance = 0.0f;
+            const std::int64_t hit = grid_.nearest(p, away, least_, distance, tests);
+            if (hit < 0) return false;
+            left += glm::dot(normalOf(hit), away) > 0.0f ? 1 : -1;
+            p += distance * away;
+        }
+        return left > 0;
     }
 
     const std::vector<Face>& faces_;
