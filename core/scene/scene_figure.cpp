@@ -39,7 +39,7 @@ double noise(glm::dvec3 p)
 /// flat foot: each step maps space one to one, so the surface never meets itself.
 glm::vec3 displaced(glm::dvec3 d)
 {
-    double radius = 1.0, amplitude = 0.36, frequency = 1.3;
+    double radius = 1.0, amplitude = 0.25, frequency = 1.3;
     for (int octave = 0; octave < 5; ++octave) {
         radius += amplitude * noise(frequency * d + glm::dvec3(17.3, 4.1, 9.7) * double(octave + 1));
         amplitude *= 0.42;
