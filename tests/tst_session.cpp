@@ -7,7 +7,7 @@
 #include "tests/bake_helpers.h"
 #include <QElapsedTimer>
 #include <QtTest>
-#include <atomic>
+#include <cstring>
 
 using namespace lightloom;
 
@@ -171,6 +171,20 @@ private Q_SLOTS:
             }
             QCOMPARE(seen.ended(), std::size_t(0)); // nobody is told after the session has gone
         }
+    }
+
+    void roughPictureComesFirstAndChangesNothing()
+    {
+        BakeProducts products, others;
+        OctreeSolver solver;
+        BakeJob plain = job(200'000, 5), hasty = plain;
+        hasty.roughFirst = true;
+        const test::Baked a = test::runSolver(solver, plain, products), b = test::runSolver(solver, hasty, others);
+        QCOMPARE(a.snapshots.size(), std::size_t(2));
+        QCOMPARE(b.snapshots.size(), std::size_t(3));
+        QVERIFY(b.snapshots[0].isRough && !b.snapshots[0].isFinal && !b.snapshots[1].isRough);
+        const auto &x = a.octree()->layers()[0]->vdls, &y = b.octree()->layers()[0]->vdls;
+        QVERIFY(x.size() == y.size() && std::memcmp(x.data(), y.data(), x.size() * sizeof(Vdl)) == 0);
     }
 
     void photonsAreReused()

@@ -92,8 +92,8 @@ void BakePanel::show(const Progress& progress)
 void BakePanel::show(const BakeView& view)
 {
     if (!times_.isEmpty()) times_ += QStringLiteral("<br>");
-    times_ += tr("Depth %1 after %2: %3 leaves, %4 entries")
-                  .arg(view.snapshot.level)
+    times_ += (view.snapshot.isRough ? tr("Rough picture after %1: %2 leaves, %3 entries")
+                                     : tr("Depth %1 after %2: %3 leaves, %4 entries").arg(view.snapshot.level))
                   .arg(seconds(view.snapshot.elapsedMs), count(view.leaves), count(view.entries));
     depths_->setText(times_);
 }

@@ -191,6 +191,7 @@ void MainWindow::startBake(bool urgent)
     job.params = paramPanel_->params();
     // lamps that are on are baked at full: dimming is the mix's; lamps that are off cost nothing
     for (const glm::vec3& gain : mix_) job.mix.emplace_back(gain == glm::vec3(0.0f) ? 0.0f : 1.0f);
+    job.roughFirst = true;
     bakedMix_ = job.mix;
     bakedParams_ = job.params;
     jobSerial_ = bridge_->start(std::move(job), urgent);

@@ -30,7 +30,9 @@ void SnapshotBar::add(const BakeView& view)
     const bool follows = views_.empty() || shown_ + 1 == views_.size();
     const double seconds = view.snapshot.elapsedMs / 1000.0;
     auto* button = new QToolButton;
-    button->setText(tr("d%1  %2 s").arg(view.snapshot.level).arg(seconds, 0, 'f', seconds < 10.0 ? 2 : 1));
+    const QString took = tr("%1 s").arg(seconds, 0, 'f', seconds < 10.0 ? 2 : 1);
+    const QString name = view.snapshot.isRough ? tr("rough") : tr("d%1").arg(view.snapshot.level);
+    button->setText(name + QStringLiteral("  ") + took);
     button->setToolTip(view.snapshot.isFinal ? tr("Final: depth %1").arg(view.snapshot.level)
                                              : tr("Refinement: depth %1").arg(view.snapshot.level));
     button->setAccessibleName(tr("Snapshot of depth %1").arg(view.snapshot.level));
@@ -57,7 +59,8 @@ void SnapshotBar::choose(std::size_t index)
 void SnapshotBar::replaceShown(const BakeView& view)
 {
     if (shown_ < views_.size() && views_[shown_].snapshot.serial == view.snapshot.serial &&
-        views_[shown_].snapshot.level == view.snapshot.level) {
+        views_[shown_].snapshot.level == view.snapshot.level &&
+        views_[shown_].snapshot.isRough == view.snapshot.isRough) {
         views_[shown_] = view;
     }
 }

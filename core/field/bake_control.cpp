@@ -9,9 +9,9 @@ BakeControl::BakeControl(Workers& workers, Sinks sinks, std::stop_token stop, st
 {
 }
 
-void BakeControl::publish(std::shared_ptr<const IndirectField> field, int level, bool isFinal)
+void BakeControl::publish(std::shared_ptr<const IndirectField> field, int level, bool isFinal, bool isRough)
 {
-    if (sinks_.publish) sinks_.publish({std::move(field), level, isFinal, elapsedMs(), serial_});
+    if (sinks_.publish) sinks_.publish({std::move(field), level, isRough, isFinal, elapsedMs(), serial_});
 }
 
 void BakeControl::progress(Stage stage, double fraction)

@@ -14,6 +14,7 @@ namespace lightloom {
 struct Snapshot {
     std::shared_ptr<const IndirectField> field;
     int level = 0;        ///< octree depth; rises with each refinement
+    bool isRough = false; ///< from a part of the photons, before the bake proper
     bool isFinal = false; ///< nothing finer follows
     double elapsedMs = 0; ///< since the bake began, pauses left out
     std::uint64_t serial = 0;
@@ -39,7 +40,7 @@ public:
     [[nodiscard]] const std::stop_token& stop() const { return stop_; }
     [[nodiscard]] bool isStopped() const { return stop_.stop_requested(); }
 
-    void publish(std::shared_ptr<const IndirectField> field, int level, bool isFinal);
+    void publish(std::shared_ptr<const IndirectField> field, int level, bool isFinal, bool isRough = false);
     /// `fraction` of the whole bake done.
     void progress(Stage stage, double fraction);
 

@@ -12,6 +12,7 @@ struct BakeJob {
     BakeParams params;
     Mix mix; ///< one gain per light group; empty: all 1
     Isa isa = Isa::automatic;
+    bool roughFirst = false;  ///< publish a rough picture from a few photons before anything else; for windows
     std::uint64_t serial = 0; ///< given by the session
 };
 

@@ -65,8 +65,9 @@ private:
 
 class OctreeBake {
 public:
-    OctreeBake(const BakeJob& job, BakeProducts& products, BakeControl& control, const PhotonProducts& photons)
-        : job_(job), products_(products), control_(control), photons_(photons)
+    OctreeBake(const BakeJob& job, BakeProducts& products, BakeControl& control, const PhotonProducts& photons,
+               bool isRough = false)
+        : job_(job), products_(products), control_(control), photons_(photons), isRough_(isRough)
     {
         for (int d = job.params.octreeFirstDepth; d <= job.params.octreeDepth; ++d) allCells_ += cellsOf(d);
     }
@@ -85,10 +86,10 @@ public:
             if (!layers[g]) return cancelled();
             told_ += cellsOf(d) / static_cast<double>(layers.size());
         }
-        const bool isFinal = d == job_.params.octreeDepth;
+        const bool isFinal = d == job_.params.octreeDepth && !isRough_;
         if (isFinal) control_.progress(Stage::fit, 1.0);
         control_.publish(std::make_shared<LightOctree>(geometry, std::move(layers), job_.params.vdlForm, job_.mix), d,
-                         isFinal);
+                         isFinal, isRough_);
         return Done{};
     }
 
@@ -138,6 +139,7 @@ private:
                 if (fit.fit(static_cast<std::uint32_t>(e), scratch)) ++degenerate;
             }
             const double part = static_cast<double>(++done) / static_cast<double>(blocks);
+            if (isRough_) return;
             control_.progress(Stage::fit, kPhotonShare + (1.0 - kPhotonShare) * (told_ + share * part) / allCells_);
         });
         products_.counters.gathers += count;
@@ -150,14 +152,35 @@ private:
     BakeProducts& products_;
     BakeControl& control_;
     const PhotonProducts& photons_;
+    bool isRough_; // a picture before the bake proper: never final, and no part of its progress
     double allCells_ = 0.0, told_ = 0.0;
 };
+
+} // namespace
+
+namespace {
+
+/// The first depth from a sixteenth of the photons, for whoever waits for a picture. The bake proper does not depend on
+/// it; the photons are the first of the same streams.
+Result<Done> showRough(const BakeJob& job, BakeProducts& products, BakeControl& control)
+{
+    BakeJob rough = job;
+    rough.params.photonCount = std::max(10'000, job.params.photonCount / 16);
+    rough.params.gatherCount = std::max(20, job.params.gatherCount / 4);      // as wide a kernel within a factor of two
+    if (rough.params.photonCount > job.params.photonCount / 4) return Done{}; // the bake proper is as quick
+    const Result<PhotonProducts> photons = photonProducts(rough, products, control, 0.02);
+    if (!photons) return photons.error();
+    return OctreeBake(rough, products, control, *photons, true).depth(job.params.octreeFirstDepth);
+}
 
 } // namespace
 
 Result<Done> OctreeSolver::bake(const BakeJob& job, BakeProducts& products, BakeControl& control)
 {
     if (const Result<Done> checked = checkTogether(job.params); !checked) return checked;
+    if (job.roughFirst) {
+        if (const Result<Done> shown = showRough(job, products, control); !shown) return shown;
+    }
     const Result<PhotonProducts> photons = photonProducts(job, products, control, kPhotonShare);
     if (!photons) return photons.error();
     OctreeBake bake(job, products, control, *photons);
