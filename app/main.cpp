@@ -6,7 +6,9 @@
 #include <QApplication>
 #include <QCommandLineParser>
 #include <QSettings>
+#include <algorithm>
 #include <cstdio>
+#include <string_view>
 
 namespace {
 
@@ -26,37 +28,75 @@ int usage(const QString& message)
     return 2;
 }
 
+/// The command line, known before there is a window: --help must work without a display.
+struct CommandLine {
+    QCommandLineParser parser;
+    QCommandLineOption picture{"screenshot", "Write the window's picture and exit.", "OUT.png"};
+    QCommandLineOption size{"size", "Size of the window, at least 320x240.", "WxH", "1280x800"};
+    QCommandLineOption wait{"wait", "With --screenshot: wait for the final depth instead of the first one."};
+
+    CommandLine()
+    {
+        parser.setApplicationDescription("Lighting design with baked indirect light.");
+        parser.addHelpOption();
+        parser.addVersionOption();
+        parser.addPositionalArgument("scene", "glTF scene to open (.glb or .gltf).", "[SCENE]");
+        parser.addOptions({picture, size, wait});
+    }
+};
+
+void nameProgram()
+{
+    QCoreApplication::setApplicationName("lightloom");
+    QCoreApplication::setOrganizationName("lightloom");
+    QCoreApplication::setApplicationVersion(LIGHTLOOM_VERSION);
+}
+
+bool asksForText(int argc, char** argv)
+{
+    return std::any_of(argv + 1, argv + argc, [](std::string_view word) {
+        return word == "--help" || word == "-h" || word == "--help-all" || word == "--version" || word == "-v";
+    });
+}
+
+/// Qt aborts where it finds no display; say it in words instead.
+bool hasDisplay()
+{
+    return qEnvironmentVariableIsSet("DISPLAY") || qEnvironmentVariableIsSet("WAYLAND_DISPLAY") ||
+           qEnvironmentVariableIsSet("QT_QPA_PLATFORM");
+}
+
 } // namespace
 
 int main(int argc, char** argv)
 {
+    nameProgram();
+    CommandLine line;
+    if (asksForText(argc, argv)) {
+        const QCoreApplication text(argc, argv);
+        line.parser.process(text); // prints and exits
+    }
+    if (!hasDisplay()) {
+        std::fprintf(stderr, "lightloom: there is no display (DISPLAY is not set); lightloom-cli needs none\n");
+        return 1;
+    }
     lightloom::setDefaultGlFormat();
     QApplication application(argc, argv);
-    QCoreApplication::setApplicationName("lightloom");
-    QCoreApplication::setOrganizationName("lightloom");
-    QCoreApplication::setApplicationVersion(LIGHTLOOM_VERSION);
-
-    QCommandLineParser parser;
-    parser.setApplicationDescription("Lighting design with baked indirect light.");
-    parser.addHelpOption();
-    parser.addVersionOption();
-    parser.addPositionalArgument("scene", "glTF scene to open (.glb or .gltf).", "[SCENE]");
-    const QCommandLineOption picture("screenshot", "Write the window's picture and exit.", "OUT.png");
-    const QCommandLineOption size("size", "Size of the window, at least 320x240.", "WxH", "1280x800");
-    const QCommandLineOption wait("wait", "With --screenshot: wait for the final depth instead of the first one.");
-    parser.addOptions({picture, size, wait});
-    parser.process(application);
+    const QCommandLineParser& parser = line.parser;
+    line.parser.process(application);
     const QStringList scenes = parser.positionalArguments();
     if (scenes.size() > 1) return usage("one scene at a time");
-    const QSize wanted = parseSize(parser.value(size));
-    if (parser.isSet(size) && !wanted.isValid()) return usage("--size wants WxH, 320x240 to 8192x8192");
-    const bool isPicture = parser.isSet(picture);
+    const QSize wanted = parseSize(parser.value(line.size));
+    if (parser.isSet(line.size) && !wanted.isValid()) return usage("--size wants WxH, 320x240 to 8192x8192");
+    const bool isPicture = parser.isSet(line.picture);
 
     QSettings settings; // a picture of the program must not depend on how someone left it
     lightloom::MainWindow window(isPicture ? nullptr : &settings);
-    if (parser.isSet(size) || isPicture) window.resize(wanted);
+    if (parser.isSet(line.size) || isPicture) window.resize(wanted);
     window.show();
-    if (isPicture) return lightloom::takeScreenshot(window, scenes.value(0), parser.value(picture), parser.isSet(wait));
+    if (isPicture) {
+        return lightloom::takeScreenshot(window, scenes.value(0), parser.value(line.picture), parser.isSet(line.wait));
+    }
     if (!scenes.isEmpty()) window.openScene(scenes.first());
     return QApplication::exec();
 }

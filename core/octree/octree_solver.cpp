@@ -170,7 +170,14 @@ Result<Done> showRough(const BakeJob& job, BakeProducts& products, BakeControl& 
     if (rough.params.photonCount > job.params.photonCount / 4) return Done{}; // the bake proper is as quick
     const Result<PhotonProducts> photons = photonProducts(rough, products, control, 0.02);
     if (!photons) return photons.error();
-    return OctreeBake(rough, products, control, *photons, true).depth(job.params.octreeFirstDepth);
+    const Result<Done> shown = OctreeBake(rough, products, control, *photons, true).depth(job.params.octreeFirstDepth);
+    // what was traced for it counts as work; what it holds is not part of the result
+    WorkCounters& counters = products.counters;
+    WorkCounters work;
+    work.photonsShot = counters.photonsShot, work.raysTraced = counters.raysTraced;
+    work.photonsReused = counters.photonsReused, work.stageMs = counters.stageMs;
+    counters = work;
+    return shown;
 }
 
 } // namespace

@@ -87,7 +87,7 @@ inline constexpr std::array kParams{
     ParamSpec{"gather.count", "Photons gathered (K)", "", 1, 100'000, 50, kForPhotons, Stage::fit, &BakeParams::gatherCount, {},
               "More photons: less noise, more blur, longer gather."},
     ParamSpec{"gather.radius", "Largest gather radius", "leaf widths", 0, 64, 0.5, kForPhotons, Stage::fit, &BakeParams::gatherRadius, {},
-              "Cap on the gather kernel. 0: automatic (what the octree's first depth and K ask for)."},
+              "Cap on the gather kernel. 0: automatic, three times the radius that K photons fill where they lie evenly."},
     ParamSpec{"gather.kernel", "Gather kernel", "", 0, 1, 1, kForOctree, Stage::fit, &BakeParams::gatherKernel, kKernelNames,
               "Region photons are taken from: a sphere, or the paper's ellipsoid flattened along the leaf's normal."},
     ParamSpec{"vdl.count", "Lights per leaf (k)", "", 1, 8, 1, kForOctree, Stage::fit, &BakeParams::vdlCount, {},

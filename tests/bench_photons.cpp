@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+// Hot loops against a ceiling and a named baseline, in one run, one thread, CPU time, variants in turn, medians of 5:
+//   photon tracing against bare rtcIntersect1 on the same rays;  kd-tree gather against nanoflann on the same queries.
+//   bench_photons [SCENE ...]
+#include "core/photonmap/photon_map.h"
+#include "core/scene/sample_scenes.h"
+#include "core/trace/light_reach.h"
+#include "core/trace/material.h"
+#include <algorithm>
+#include <embree3/rtcore.h>
+#include <fmt/format.h>
+#include <limits>
+#include <nanoflann.hpp>
+#include <time.h>
+
+using namespace lightloom;
+
+namespace {
+
+double cpuSeconds()
+{
+    timespec now{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+template<class Body>
+double timed(Body body)
+{
+    const double began = cpuSeconds();
+    body();
+    return cpuSeconds() - began;
+}
+
+double median(std::vector<double> values)
+{
+    std::ranges::sort(values);
+    return values[values.size() / 2];
+}
+
+struct Ray {
+    glm::vec3 origin, travel;
+};
+
+/// The rays of real photon paths: emitted, then scattered as the tracer does.
+std::vector<Ray> recordRays(const RayScene& rays, const LightSampler& lights, std::size_t wanted)
+{
+    std::vector<Ray> recorded;
+    for (std::uint64_t i = 0; recorded.size() < wanted && i < 50 * wanted; ++i) {
+        Rng rng(9, rays.scene().groups[0].key(), i);
+        EmittedPhoton photon;
+        if (!lights.emit(0, rng, photon)) break;
+        Ray ray{photon.position, photon.travel};
+        for (int bounce = 0; bounce < 64; ++bounce) {
+            recorded.push_back(ray);
+            Hit hit;
+            if (!rays.intersect(ray.origin, ray.travel, std::numeric_limits<float>::infinity(), hit)) break;
+            Scatter next;
+            const glm::vec3 u(rng.uniform(), rng.uniform(), rng.uniform());
+            if (!scatter(surfaceAt(rays, hit), hit.facing(), -ray.travel, u, next)) break;
+            if (rng.uniform() >= std::max({next.weight.x, next.weight.y, next.weight.z})) break;
+            ray = {rays.leave(hit.position, hit.facing()), next.away};
+        }
+    }
+    return recorded;
+}
+
+double bareEmbree(const RayScene& rays, const std::vector<Ray>& recorded)
+{
+    const FlushDenormals flush;
+    const auto tree = static_cast<RTCScene>(rays.embreeScene());
+    double sum = 0.0;
+    for (const Ray& ray : recorded) {
+        RTCRayHit query;
+        query.ray = {ray.origin.x,
+                     ray.origin.y,
+                     ray.origin.z,
+                     0.0f,
+                     ray.travel.x,
+                     ray.travel.y,
+                     ray.travel.z,
+                     0.0f,
+                     std::numeric_limits<float>::infinity(),
+                     0xFFFFFFFFu,
+                     0,
+                     0};
+        query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+        query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+        RTCIntersectContext context;
+        rtcInitIntersectContext(&context);
+        rtcIntersect1(tree, &context, &query);
+        sum += query.hit.geomID == RTC_INVALID_GEOMETRY_ID ? 0.0 : 1.0;
+    }
+    return sum;
+}
+
+std::shared_ptr<const PhotonPaths> benchTracer(const std::string& name, const RayScene& rays,
+                                               const LightSampler& lights)
+{
+    Workers one(1);
+    PhotonJob job;
+    job.count = 200'000;
+    const std::vector<Ray> recorded = recordRays(rays, lights, 400'000);
+    std::shared_ptr<const PhotonPaths> paths;
+    std::vector<double> ratios;
+    double raysPerSecond = 0.0, bare = 0.0;
+    for (int round = 0; round < 5; ++round) {
+        const double e = timed([&] { bareEmbree(rays, recorded); }) / static_cast<double>(recorded.size());
+        const double t =
+            timed([&] { paths = tracePhotons(rays, lights, job, one, {}); }) / static_cast<double>(paths->rays);
+        ratios.push_back(e / t);
+        raysPerSecond = 1e-6 / t;
+        bare = 1e-6 / e;
+    }
+    fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.0f} % |\n", name, rays.triangleCount(), raysPerSecond, bare,
+               100.0 * median(ratios));
+    return paths;
+}
+
+/// Positions as nanoflann wants to see them.
+struct Cloud {
+    const std::vector<Photon>& photons;
+    [[nodiscard]] std::size_t kdtree_get_point_count() const { return photons.size(); }
+    [[nodiscard]] float kdtree_get_pt(std::size_t i, std::size_t axis) const
+    {
+        return photons[i].position[static_cast<int>(axis)];
+    }
+    template<class Box>
+    bool kdtree_get_bbox(Box&) const
+    {
+        return false;
+    }
+};
+
+void benchGather(const std::shared_ptr<const PhotonPaths>& paths, const std::vector<SurfacePoint>& queries)
+{
+    using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Cloud>, Cloud, 3>;
+    const Cloud cloud{paths->photons};
+    std::unique_ptr<Tree> tree;
+    std::shared_ptr<const PhotonMap> map;
+    const double theirBuild = timed([&] {
+        tree = std::make_unique<Tree>(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(10));
+        tree->buildIndex();
+    });
+    const double ourBuild = timed([&] { map = PhotonMap::build(paths); });
+    fmt::print("\nkd-tree build, {} photons: {:.3f} s, nanoflann {:.3f} s, {:.2f} x\n\n", map->size(), ourBuild,
+               theirBuild, ourBuild / theirBuild);
+    fmt::print("| K | ours, us per query | nanoflann, us | times faster | same sets |\n|---|---|---|---|---|\n");
+    for (const std::uint32_t k : {50u, 100u, 250u, 500u}) {
+        std::vector<double> ours, theirs;
+        std::size_t same = 0;
+        for (int round = 0; round < 5; ++round) {
+            Gathered gathered;
+            std::vector<std::size_t> index(k);
+            std::vector<float> squared(k);
+            std::vector<float> radii;
+            ours.push_back(timed([&] {
+                for (const SurfacePoint& q : queries) {
+                    map->gather({q.position, q.normal, std::numeric_limits<float>::max() / 4, 1.0f, -2.0f, k},
+                                gathered);
+                    radii.push_back(gathered.radius * gathered.radius);
+                }
+            }));
+            same = 0;
+            std::size_t number = 0;
+            theirs.push_back(timed([&] {
+                for (const SurfacePoint& q : queries) {
+                    nanoflann::KNNResultSet<float, std::size_t> found(k);
+                    found.init(index.data(), squared.data());
+                    tree->findNeighbors(found, &q.position.x, nanoflann::SearchParams());
+                    same += std::abs(squared[k - 1] - radii[number]) <= 1e-4f * radii[number];
+                    ++number;
+                }
+            }));
+        }
+        const double n = 1e6 / static_cast<double>(queries.size());
+        fmt::print("| {} | {:.2f} | {:.2f} | {:.1f} | {} of {} |\n", k, median(ours) * n, median(theirs) * n,
+                   median(theirs) / median(ours), same, queries.size());
+    }
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+    std::vector<std::string> names(argv + 1, argv + argc);
+    if (names.empty()) names = {"cornell", "two_rooms", "atrium", "figure", "figure:70000", "figure:200000"};
+    fmt::print(
+        "| scene | triangles | tracer, M rays/s | bare rtcIntersect1, M rays/s | share |\n|---|---|---|---|---|\n");
+    std::shared_ptr<const PhotonPaths> first;
+    std::vector<SurfacePoint> queries;
+    for (const std::string& name : names) {
+        const std::size_t colon = name.find(':');
+        std::optional<std::uint64_t> triangles;
+        if (colon != std::string::npos) triangles = std::stoull(name.substr(colon + 1));
+        const Result<Scene> made = sampleScene(name.substr(0, colon), triangles);
+        if (!made) return fmt::print("{}\n", made.error().message), 2;
+        const auto rays = RayScene::build(std::make_shared<const Scene>(*made));
+        if (!rays) return fmt::print("{}\n", rays.error().message), 1;
+        const LightSampler lights(*rays);
+        const auto paths = benchTracer(name, **rays, lights);
+        if (first) continue;
+        Workers workers;
+        const auto reach = LightReach::find(**rays, lights, workers, {});
+        queries = samplePoints(**rays, lights, *reach, 5000, 2);
+        PhotonJob job;
+        job.count = 600'000;
+        first = tracePhotons(**rays, lights, job, workers, {});
+    }
+    benchGather(first, queries);
+    return 0;
+}
