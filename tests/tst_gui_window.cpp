@@ -127,7 +127,7 @@ private Q_SLOTS:
         QVERIFY(openAndBake(*window));
         Viewport& viewport = *window->viewport();
         QVERIFY(settle(viewport));
-        QCOMPARE(window->snapshots().count(), 2); // depths 4 and 5
+        QCOMPARE(window->snapshots().count(), 3); // a rough picture, depths 4 and 5
         const QImage lit = viewport.grabFramebuffer();
         keep(lit, "window-lit.png");
         // the box fills the picture's height; its width is about as much, in the middle
@@ -196,8 +196,9 @@ private Q_SLOTS:
         QSignalSpy ended(window.get(), &MainWindow::bakeEnded);
         depth->setValue(4);
         QVERIFY(ended.wait(kPatience));
-        QCOMPARE(window->snapshots().count(), 1);
+        QCOMPARE(window->snapshots().count(), 2); // rough and final
         QCOMPARE(window->snapshots().shown()->snapshot.level, 4);
+        QVERIFY(window->snapshots().shown()->snapshot.isFinal);
         reset->click();
         QCOMPARE(depth->value(), double(BakeParams{}.octreeDepth));
         QVERIFY(!depth->font().bold());
@@ -311,10 +312,13 @@ private Q_SLOTS:
         const auto window = makeWindow();
         QVERIFY(openAndBake(*window));
         const auto buttons = window->snapshots().findChildren<QToolButton*>();
-        QCOMPARE(buttons.size(), 2);
+        QCOMPARE(buttons.size(), 3);
         QCOMPARE(window->snapshots().shown()->snapshot.level, 5);
-        buttons.first()->click();
+        buttons[1]->click();
         QCOMPARE(window->snapshots().shown()->snapshot.level, 4);
+        QVERIFY(!window->snapshots().shown()->snapshot.isRough);
+        buttons.first()->click();
+        QVERIFY(window->snapshots().shown()->snapshot.isRough);
         QVERIFY(settle(*window->viewport()));
     }
 
