@@ -10,8 +10,9 @@ namespace lightloom {
 namespace {
 
 constexpr std::uint32_t kWalks = 32'768, kWalksPerBlock = 512, kBounces = 8; ///< walks in all, shared by the lamps
-constexpr std::size_t kLooks = 16;   ///< lines of sight that an element tries, half of them nearby
-constexpr std::size_t kNearby = 256; ///< open points that count as nearby, along the Morton curve
+constexpr std::size_t kLooks = 16;          ///< lines of sight that an element tries, half of them nearby
+constexpr std::size_t kNearby = 256;        ///< open points that count as nearby, along the Morton curve
+constexpr std::uint32_t kOpenBounces = 128; ///< a walk out of a narrow gap behind furniture takes many
 constexpr float kFar = std::numeric_limits<float>::infinity();
 
 /// A point that light certainly reaches, moved off its surface.
@@ -160,30 +161,35 @@ double areaOf(const ReachedFacet& f)
     return 0.5 * glm::length(glm::cross(glm::dvec3(f.b) - glm::dvec3(f.a), glm::dvec3(f.c) - glm::dvec3(f.a)));
 }
 
-/// Whether a point is in the open: it sees a lamp, or reached surface twice (a single ray can leak through a vertex).
+/// Whether a point is in the open: it sees a lamp, or two random walks that lose nothing at the walls come to where one
+/// is seen. (Two: a single ray can leak through an edge into a closed void.)
 class OpenTest {
 public:
-    OpenTest(const RayScene& rays, const LightSampler& lights, const LightReach& reach)
-        : rays_(rays), lights_(lights), reachedSides_(2 * std::size_t(rays.triangleCount()), 0)
-    {
-        for (const ReachedFacet& f : reach.facets()) reachedSides_[f.side] = 1;
-    }
+    OpenTest(const RayScene& rays, const LightSampler& lights) : rays_(rays), lights_(lights) {}
 
     [[nodiscard]] bool isOpen(glm::vec3 p, glm::vec3 n, Rng rng) const
     {
         const glm::vec3 origin = rays_.leave(p, n);
         if (rays_.scene().groups.empty() || seesLamp(origin, n, rng)) return true;
-        std::uint32_t seen = 0;
-        for (int i = 0; i < 64 && seen < 2; ++i) {
-            const float u1 = rng.uniform(), u2 = rng.uniform();
-            Hit hit;
-            if (!rays_.intersect(origin, Frame(n).toWorld(sampleCosineHemisphere(u1, u2)), kFar, hit)) continue;
-            seen += reachedSides_[2 * hit.triangle + (hit.isFront ? 0 : 1)];
-        }
-        return seen >= 2;
+        int found = 0;
+        for (int i = 0; i < 32 && found < 2; ++i) found += findsLamp(origin, n, rng);
+        return found == 2;
     }
 
 private:
+    [[nodiscard]] bool findsLamp(glm::vec3 origin, glm::vec3 n, Rng& rng) const
+    {
+        for (std::uint32_t bounce = 0; bounce < kOpenBounces; ++bounce) {
+            const float u1 = rng.uniform(), u2 = rng.uniform();
+            Hit hit;
+            if (!rays_.intersect(origin, Frame(n).toWorld(sampleCosineHemisphere(u1, u2)), kFar, hit)) return false;
+            n = hit.facing();
+            origin = rays_.leave(hit.position, n);
+            if (seesLamp(origin, n, rng)) return true;
+        }
+        return false;
+    }
+
     [[nodiscard]] bool seesLamp(glm::vec3 origin, glm::vec3 n, Rng& rng) const
     {
         for (int e = 0; e < static_cast<int>(lights_.emitters().size()); ++e) {
@@ -197,7 +203,6 @@ private:
 
     const RayScene& rays_;
     const LightSampler& lights_;
-    std::vector<std::uint8_t> reachedSides_;
 };
 
 } // namespace
@@ -227,7 +232,7 @@ std::vector<SurfacePoint> samplePoints(const RayScene& rays, const LightSampler&
     std::vector<SurfacePoint> points;
     if (!(total > 0.0)) return points;
     points.reserve(count);
-    const OpenTest open(rays, lights, reach);
+    const OpenTest open(rays, lights);
     for (std::uint64_t i = 0; i < count; ++i) {
         Rng rng(seed, hashName("probe points"), i);
         for (int attempt = 0; attempt < 256; ++attempt) {

@@ -29,7 +29,7 @@ struct SurfacePoint {
     std::uint32_t triangle;
 };
 /// `count` points, uniform by area over the reached facets; number i depends on (seed, i) only. Points of facets that
-/// are half hidden are kept only where they see a lamp or something: none lies in a closed void of the scene.
+/// are half hidden are kept only where light arrives, straight or after some bounces: none lies in a closed void.
 [[nodiscard]] std::vector<SurfacePoint> samplePoints(const RayScene& rays, const LightSampler& lights,
                                                      const LightReach& reach, std::uint64_t count, std::uint64_t seed);
 

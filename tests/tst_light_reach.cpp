@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+// Claims: probe points are uniform over what light reaches: none under furniture, some behind it where a gap lets light
+// in; reach and points are the same on any number of threads.
+#include "bake_helpers.h"
+#include "core/scene/scene_builder.h"
+#include "core/trace/light_reach.h"
+#include <QTest>
+
+using namespace lightloom;
+using namespace lightloom::test;
+
+namespace {
+
+constexpr float kGap = 0.05f; ///< between the cupboard and the wall behind it, metres
+
+/// 4 x 3 x 4 m with a lamp, a bench whose back board is pushed into it, and a cupboard that stands a little off the
+/// wall. All stand 5 mm deep in the floor.
+Scene furnishedRoom()
+{
+    SceneBuilder builder("furnished room");
+    const int grey = builder.addMaterial("grey", glm::vec3(0.6f));
+    CellPlan plan;
+    plan.xs = {0.0f, 4.0f};
+    plan.ys = {0.0f, 3.0f};
+    plan.zs = {0.0f, 4.0f};
+    plan.isAir = [](glm::vec3) { return true; };
+    plan.materialOf = [=](glm::vec3, glm::vec3) { return grey; };
+    builder.add("Room", cellShell(plan));
+    builder.add("Bench", boxMesh({1.0f, -0.005f, 1.0f}, {2.0f, 0.4f, 2.0f}), grey);
+    builder.add("Back board", boxMesh({1.0f, -0.005f, 1.7f}, {2.0f, 0.8f, 2.1f}), grey);
+    builder.add("Cupboard", boxMesh({2.5f, -0.005f, 3.5f}, {3.5f, 1.0f, 4.0f - kGap}), grey);
+    builder.addPoint("Lamp", {2.0f, 2.5f, 1.5f}, glm::vec3(100.0f));
+    return builder.finish();
+}
+
+struct Box {
+    glm::dvec3 low, high;
+    [[nodiscard]] bool holds(glm::dvec3 p) const
+    {
+        return glm::all(glm::greaterThan(p, low + 1e-4)) && glm::all(glm::lessThan(p, high - 1e-4));
+    }
+};
+// down to -1: the floor under a body is in it
+const Box kBench{{1.0, -1.0, 1.0}, {2.0, 0.4, 2.0}}, kBoard{{1.0, -1.0, 1.7}, {2.0, 0.8, 2.1}},
+    kCupboard{{2.5, -1.0, 3.5}, {3.5, 1.0, 4.0 - double(kGap)}};
+
+struct Sampled {
+    std::shared_ptr<const LightReach> reach;
+    std::vector<SurfacePoint> points;
+};
+
+Sampled sampleScene(const Scene& scene, std::uint64_t count, int threads)
+{
+    const auto rays = *RayScene::build(share(scene));
+    const LightSampler lights(rays);
+    Workers workers(threads);
+    Sampled sampled{LightReach::find(*rays, lights, workers, {}), {}};
+    sampled.points = samplePoints(*rays, lights, *sampled.reach, count, 1);
+    return sampled;
+}
+
+} // namespace
+
+class LightReachTest : public QObject {
+    Q_OBJECT
+private Q_SLOTS:
+    void noProbeLiesInADarkBody()
+    {
+        const Scene scene = furnishedRoom();
+        std::uint64_t behind = 0, ceiling = 0;
+        const auto points = sampleScene(scene, 8'000, 2).points;
+        QCOMPARE(points.size(), std::size_t(8'000));
+        for (const SurfacePoint& point : points) {
+            const glm::dvec3 p = scene.toFile(point.position);
+            QVERIFY2(!kBench.holds(p) && !kBoard.holds(p) && !kCupboard.holds(p),
+                     qPrintable(QString("%1 %2 %3").arg(p.x).arg(p.y).arg(p.z)));
+            behind += p.x > 2.5 && p.x < 3.5 && p.y < 1.0 && p.z > 3.9;
+            ceiling += p.y > 2.999;
+        }
+        // area: the room's 80 m2 less what stands on the floor, plus the bodies' outsides
+        const double bench = 2 * 0.7 * 0.4 + 0.4 + 0.7, board = 0.8 + 0.4 + 2 * 0.4 * 0.8 + 0.4,
+                     cupboard = 2 * 1.0 + 2 * 0.45 + 0.45;
+        const double all = 80.0 - 1.1 - 0.45 + bench + board + cupboard;
+        const auto expect = [&](std::uint64_t found, double area, const char* what) {
+            const double share = area / all, sigma = std::sqrt(8'000.0 * share * (1.0 - share));
+            QVERIFY2(std::abs(static_cast<double>(found) - 8'000.0 * share) <= 4.9 * sigma,
+                     qPrintable(QString("%1: %2 for %3").arg(what).arg(found).arg(8'000.0 * share)));
+        };
+        expect(ceiling, 16.0, "ceiling");
+        expect(behind, 2.0 + double(kGap), "behind the cupboard"); // its back, the wall, the floor between
+    }
+
+    void anyNumberOfThreadsFindsTheSame()
+    {
+        const Scene scene = furnishedRoom();
+        const Sampled one = sampleScene(scene, 500, 1), three = sampleScene(scene, 500, 3);
+        QCOMPARE(one.reach->facets().size(), three.reach->facets().size());
+        for (std::size_t i = 0; i < one.reach->facets().size(); ++i) {
+            const ReachedFacet &a = one.reach->facets()[i], &b = three.reach->facets()[i];
+            QVERIFY(a.a == b.a && a.b == b.b && a.c == b.c && a.side == b.side);
+        }
+        for (std::size_t i = 0; i < 500; ++i) QVERIFY(one.points[i].position == three.points[i].position);
+    }
+};
+
+QTEST_APPLESS_MAIN(LightReachTest)
+#include "tst_light_reach.moc"
