@@ -67,7 +67,8 @@ class CliTest : public QObject {
     QStringList probeWords(const QString& method, const QString& output) const
     {
         return QStringList{"probe", kScene, "--method", method, "--points", at("points.csv"), "-o", output} +
-               (method == "light-octree" || method == "photon-map" ? kQuickBake : QStringList());
+               (method == "light-octree" || method == "photon-map" ? kQuickBake : QStringList()) +
+               (method == "reference" ? QStringList{"--no-cache"} : QStringList());
     }
 
     /// Starts, waits for a line of progress on stderr, interrupts, and tells how it ended and how long that took.
@@ -306,6 +307,18 @@ private Q_SLOTS:
                 QVERIFY2(isNumber && value >= 0.0 && std::isfinite(value), qPrintable(rows[i]));
             }
         }
+    }
+
+    void aReferenceIsTracedOnce() // beside the scene; the same bytes from disk, and none of it with --no-cache
+    {
+        QVERIFY(QFile::copy(kScene, at("own.glb")));
+        const QStringList words{"probe", at("own.glb"),           "--method", "reference",
+                                "--set", "reference.samples=128", "--points", at("points.csv")};
+        const Ran first = run(words), second = run(words), anew = run(words + QStringList{"--no-cache"});
+        QVERIFY2(first.code == 0 && second.code == 0 && anew.code == 0, qPrintable(second.text()));
+        QVERIFY(first.out == second.out && first.out == anew.out);
+        QVERIFY2(first.err.isEmpty() && anew.err.isEmpty(), qPrintable(first.err + anew.err));
+        QVERIFY2(second.err.contains("own.glb.lightloom-cache/"), qPrintable(second.text()));
     }
 
     void aRowDoesNotKnowItsNeighbours()

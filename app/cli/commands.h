@@ -70,6 +70,7 @@ int bake(const Context& context, const BakeCommand& command);
 
 struct ProbeCommand {
     std::string scene, method, points, bakeFile, output;
+    bool useCache = true; ///< take references from disk, and keep them there
     BakeOptions options;
 };
 int probe(const Context& context, const ProbeCommand& command);

@@ -230,6 +230,7 @@ private:
         addMethod(*command, spoken_.probe.method);
         addBake(*command, spoken_.probe.bakeFile);
         command->add_option("--points", spoken_.probe.points, "Where: x,y,z,nx,ny,nz")->required()->option_text("FILE");
+        command->add_flag("!--no-cache", spoken_.probe.useCache, "Trace the reference anew, and keep nothing of it");
         addBakeOptions(*command);
         addOutput(*command, "RESULT.csv; standard output without");
     }

@@ -4,6 +4,7 @@
 #include "core/base/atomic_file.h"
 #include "core/compare/image_error.h"
 #include "core/compare/probes.h"
+#include "core/compare/reference_store.h"
 #include "core/trace/final_gather.h"
 #include <atomic>
 #include <chrono>
@@ -26,14 +27,16 @@ ProbeTable tableOf(const std::vector<ProbeRow>& rows, std::size_t finished)
     return table;
 }
 
-ProbeTable byReference(const Context& context, const Lighting& lighting, const std::vector<ProbeRow>& rows,
-                       const std::vector<ProbePoint>& points)
+ProbeTable byReference(const Context& context, const ReferenceStore& store, const Lighting& lighting,
+                       const std::vector<ProbeRow>& rows, const std::vector<ProbePoint>& points)
 {
     const BakeParams& p = lighting.params;
     const ReferenceJob job{p.seed, p.referenceSamples, p.referenceStderr, p.pathDepth, p.directSamples};
-    const ReferenceResult result =
-        referenceIlluminance(*lighting.lit.rays, *lighting.lit.lights, {}, points, job, *context.workers, context.stop,
-                             [&](double fraction) { context.report->progress("reference", fraction); });
+    const KeptReference kept = store.illuminance(
+        *lighting.lit.rays, *lighting.lit.lights, {}, points, job, ReferenceMatch::sameBits, *context.workers,
+        context.stop, [&](double fraction) { context.report->progress("reference", fraction); });
+    if (kept.wasStored) log(context.log, LogLevel::info, fmt::format("from {}", kept.file.string()));
+    const ReferenceResult& result = kept.result;
     ProbeTable table = tableOf(rows, result.finished);
     for (std::size_t i = 0; i < result.finished; ++i) {
         const ProbeLight& light = result.probes[i];
@@ -148,8 +151,10 @@ int probe(const Context& context, const ProbeCommand& command)
     if (!lighting) return fail(lighting.error());
     std::vector<ProbePoint> points;
     for (const ProbeRow& row : *rows) points.push_back(inScene(*lighting->lit.scene, row));
-    const ProbeTable table = lighting->method == Method::reference ? byReference(context, *lighting, *rows, points)
-                                                                   : byField(context, *lighting, *rows, points);
+    const ReferenceStore store = command.useCache ? ReferenceStore(command.scene, context.log) : ReferenceStore();
+    const ProbeTable table = lighting->method == Method::reference
+                                 ? byReference(context, store, *lighting, *rows, points)
+                                 : byField(context, *lighting, *rows, points);
     if (table.points.size() < rows->size()) return saveInterrupted(table, rows->size(), command.output);
 
     const std::string text = resultText(table);

@@ -167,7 +167,9 @@ public:
         out.finished = finished;
         for (const ProbeSums& s : sums_) {
             out.probes.push_back(s.result());
-            out.paths += static_cast<std::uint64_t>(s.batches) * kBatch;
+            const std::uint64_t paths = static_cast<std::uint64_t>(s.batches) * kBatch;
+            out.paths += paths;
+            out.leastPaths = out.probes.size() == 1 ? paths : std::min(out.leastPaths, paths);
         }
         return out;
     }

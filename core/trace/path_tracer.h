@@ -34,7 +34,8 @@ struct ProbePoint {
 struct ReferenceResult {
     std::vector<ProbeLight> probes;
     std::size_t finished = 0;
-    std::uint64_t paths = 0;
+    std::uint64_t paths = 0;      ///< traced, over all probes
+    std::uint64_t leastPaths = 0; ///< at the probe that got fewest
 };
 
 /// Path-traced illuminance at probes: the judge of all caches. Shares the scene, the emitters and Embree with them and
