@@ -11,6 +11,7 @@ using namespace glm;
 // clang-format off
 #include "shaders/shared_limits.glsl"
 #include "shaders/common_colour.glsl"
+#include "shaders/common_false_colour.glsl"
 #include "shaders/common_octree.glsl"
 #include "shaders/common_shading.glsl"
 #include "shaders/common_vdl.glsl"

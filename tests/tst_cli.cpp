@@ -1,55 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // Claim: lightloom-cli keeps the contract other programs call it by: exit codes, one line per failure, results on
 // stdout or in the file, tables of the promised shape, the same bytes on any number of threads, a clean stop on Ctrl-C.
+#include "tests/cli_helpers.h"
 #include <QElapsedTimer>
-#include <QProcess>
 #include <QProcessEnvironment>
 #include <QRegularExpression>
 #include <QTemporaryDir>
 #include <QtTest>
-#include <csignal>
 #include <cstdlib>
 #include <fcntl.h>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+using namespace lightloom::test;
+
 namespace {
-
-struct Ran {
-    int code = -1;
-    QString out, err;
-    [[nodiscard]] QString text() const { return QString("exit %1\nstdout: %2\nstderr: %3").arg(code).arg(out, err); }
-    [[nodiscard]] bool failedWithOneLine() const
-    {
-        return out.isEmpty() && err.startsWith("error: ") && err.count('\n') == 1 && err.endsWith('\n');
-    }
-};
-
-Ran run(const QStringList& words)
-{
-    QProcess process;
-    process.start(LIGHTLOOM_CLI, words);
-    if (!process.waitForFinished(120'000)) {
-        process.kill();
-        process.waitForFinished();
-        return {-2, {}, "took longer than two minutes"};
-    }
-    const int code = process.exitStatus() == QProcess::NormalExit ? process.exitCode() : -3;
-    return {code, QString::fromUtf8(process.readAllStandardOutput()),
-            QString::fromUtf8(process.readAllStandardError())};
-}
-
-QByteArray contents(const QString& path)
-{
-    QFile file(path);
-    return file.open(QIODevice::ReadOnly) ? file.readAll() : QByteArray();
-}
-
-bool write(const QString& path, const QByteArray& bytes)
-{
-    QFile file(path);
-    return file.open(QIODevice::WriteOnly) && file.write(bytes) == bytes.size();
-}
 
 const QString kScene = LIGHTLOOM_SOURCE_DIR "/sample_scenes/cornell.glb";
 const QStringList kQuickBake{"--set", "photons=4000",         "--set", "octree.depth=3",
@@ -69,34 +34,6 @@ class CliTest : public QObject {
         return QStringList{"probe", kScene, "--method", method, "--points", at("points.csv"), "-o", output} +
                (method == "light-octree" || method == "photon-map" ? kQuickBake : QStringList()) +
                (method == "reference" ? QStringList{"--no-cache"} : QStringList());
-    }
-
-    /// Starts, waits for a line of progress on stderr, interrupts, and tells how it ended and how long that took.
-    Ran interrupted(const QStringList& words, qint64& tookMs, int signals = 1)
-    {
-        QProcess process;
-        process.start(LIGHTLOOM_CLI, words + QStringList{"--progress", "json"});
-        QByteArray err;
-        QElapsedTimer waiting;
-        waiting.start();
-        while (!err.contains("\"progress\"") && waiting.elapsed() < 60'000 && process.state() != QProcess::NotRunning) {
-            process.waitForReadyRead(100);
-            process.setReadChannel(QProcess::StandardError);
-            err += process.readAllStandardError();
-        }
-        QElapsedTimer timer;
-        timer.start();
-        for (int i = 0; i < signals; ++i) ::kill(static_cast<pid_t>(process.processId()), SIGINT);
-        const bool ended = process.waitForFinished(20'000);
-        tookMs = timer.elapsed();
-        if (!ended) {
-            process.kill();
-            process.waitForFinished();
-            return {-2, {}, "did not stop"};
-        }
-        err += process.readAllStandardError();
-        const int code = process.exitStatus() == QProcess::NormalExit ? process.exitCode() : -3;
-        return {code, QString::fromUtf8(process.readAllStandardOutput()), QString::fromUtf8(err)};
     }
 
     /// What the program writes when stderr is a terminal.
@@ -196,7 +133,7 @@ private Q_SLOTS:
         add("no camera", {"render", kScene, "--method", "direct", "--camera", "moon", "-o", at("a.png")}, "moon");
         add("points as results", {"compare", at("points.csv"), at("points.csv")}, "direct_r");
         add("unlike kinds", {"compare", at("points.csv"), "b.exr"}, "two of a kind");
-        add("unknown kind", {"compare", "a.txt", "b.txt"}, ".csv, .exr and .png");
+        add("unknown kind", {"compare", "a.txt", "b.txt"}, ".csv, .exr, .png and .vdb");
         add("line end in a name", {"points", "a\nb\x1b[31m.glb", "--count", "5"}, "a b [31m.glb");
     }
     void badInput()

@@ -279,12 +279,79 @@ private Q_SLOTS:
         QVERIFY(falseColour(-1.0f) == falseColour(0.0f) && falseColour(9.0f) == falseColour(1.0f));
     }
 
+    void differenceColourIsEvenAndLooksAlikeOnBothSides()
+    {
+        const auto lab = [](float t) { return labOf(glm::dvec3(differenceColour(t))); };
+        double least = 1e9, most = 0;
+        for (int i = 0; i < 32; ++i) {
+            const float t = static_cast<float>(i) / 32.0f, next = static_cast<float>(i + 1) / 32.0f;
+            for (const float side : {-1.0f, 1.0f}) {
+                const double step = glm::length(lab(side * t) - lab(side * next));
+                least = std::min(least, step);
+                most = std::max(most, step);
+            }
+            QVERIFY2(std::abs(lab(t).x - lab(-t).x) <= 0.5, qPrintable(QString("lightness parts at %1").arg(t)));
+        }
+        QVERIFY2(most <= 1.05 * least, qPrintable(QString("steps from %1 to %2").arg(least).arg(most)));
+        const glm::vec3 white = differenceColour(0.0f), blue = differenceColour(-1.0f), red = differenceColour(1.0f);
+        QVERIFY(white.x > 0.85f && glm::length(white - glm::vec3(white.x)) <= 0.01f);
+        QVERIFY(blue.z > 4.0f * blue.x && red.x > 4.0f * red.z);
+        QVERIFY(differenceColour(7.0f) == red && differenceColour(-7.0f) == blue);
+        QVERIFY(differenceColour(std::numeric_limits<float>::quiet_NaN()) == red);
+    }
+
+    void theColourBlindTellTheSidesApart()
+    {
+        // Machado, Oliveira, Fernandes 2009: full loss of one kind of cone, as a matrix on linear colour
+        const std::vector<std::pair<const char*, glm::dmat3>> eyes{
+            {"protanopia", glm::transpose(glm::dmat3(0.152286, 1.052583, -0.204868, 0.114503, 0.786281, 0.099216,
+                                                     -0.003882, -0.048116, 1.051998))},
+            {"deuteranopia", glm::transpose(glm::dmat3(0.367322, 0.860646, -0.227968, 0.280085, 0.672501, 0.047413,
+                                                       -0.011820, 0.042940, 0.968881))},
+            {"tritanopia", glm::transpose(glm::dmat3(1.255528, -0.076749, -0.178779, -0.078411, 0.930809, 0.147602,
+                                                     0.004733, 0.691367, 0.303900))}};
+        for (const auto& [name, eye] : eyes) {
+            const auto seen = [&](float t) { return labOf(eye * glm::dvec3(differenceColour(t))); };
+            for (const float t : {0.25f, 0.5f, 1.0f}) {
+                const double apart = glm::length(seen(t) - seen(-t)), fromWhite = glm::length(seen(t) - seen(0.0f));
+                const bool clear = apart >= 40.0 * static_cast<double>(t) && fromWhite >= 40.0 * static_cast<double>(t);
+                QVERIFY2(clear, qPrintable(QString("%1 at %2: %3 apart").arg(name).arg(t).arg(apart)));
+            }
+        }
+    }
+
+    void errorKindsByHand()
+    {
+        QCOMPARE(errorValue(ErrorKind::relative, 3.0f, 5.0f, 4.0f), 0.5f);
+        QCOMPARE(errorValue(ErrorKind::absolute, 3.0f, 5.0f, 4.0f), 2.0f);
+        QCOMPARE(errorValue(ErrorKind::difference, 3.0f, 5.0f, 4.0f), -0.5f);
+        QCOMPARE(errorValue(ErrorKind::relative, 3.0f, 5.0f, 0.0f), 0.0f);
+        QVERIFY(errorColour(ErrorKind::difference, -2.0f, 4.0f) == differenceColour(-0.5f));
+        QVERIFY(errorColour(ErrorKind::absolute, 2.0f, 4.0f) == falseColour(0.5f));
+        const ScalarImage map =
+            errorMap(filled(2, 1, glm::vec3(1.5f)), filled(2, 1, glm::vec3(2.0f)), 2.0, ErrorKind::difference);
+        QVERIFY(map.values.size() == 2 && isNear(static_cast<double>(map.values[0]), -0.25, 1e-6));
+    }
+
+    void legendNumbersCarryUnits()
+    {
+        QCOMPARE(legendText(0.125f, LegendUnit::percent), std::string("12.5%"));
+        QCOMPARE(legendText(0.125f, LegendUnit::percent, true), std::string("+12.5%"));
+        QCOMPARE(legendText(-0.05f, LegendUnit::percent, true), std::string("-5%"));
+        QCOMPARE(legendText(0.0f, LegendUnit::percent, true), std::string("0%"));
+        QCOMPARE(legendText(40.0f, LegendUnit::lux), std::string("40 lx"));
+        QCOMPARE(legendText(0.5f, LegendUnit::candelaPerM2), std::string("0.5 cd/m2"));
+        QCOMPARE(legendText(20.0f, LegendUnit::plain), std::string("20"));
+    }
+
     void legendTopIsRound()
     {
         ScalarImage map{10, 10, std::vector<float>(100, 0.034f)};
         QCOMPARE(legendTop(map), 0.05f);
         map.values.assign(100, 0.0f);
         QCOMPARE(legendTop(map), 0.01f);
+        map.values.assign(100, -0.034f);
+        QCOMPARE(legendTop(map), 0.05f);
         map.values.assign(100, 700.0f);
         QCOMPARE(legendTop(map), 1000.0f);
     }
@@ -293,7 +360,7 @@ private Q_SLOTS:
     {
         ScalarImage map{300, 20, {}};
         for (int i = 0; i < 300 * 20; ++i) map.values.push_back(static_cast<float>(i % 300) / 299.0f);
-        const ByteImage picture = heatmap(map, 1.0f, LegendUnit::plain);
+        const ByteImage picture = heatmap(map, {ErrorKind::relative, 1.0f, LegendUnit::plain, "what it is"});
         QCOMPARE(picture.width, 300);
         QCOMPARE(picture.height, 20 + kLegendHeight);
         const auto colours = [&](int fromRow, int toRow) {
@@ -306,10 +373,32 @@ private Q_SLOTS:
         };
         QVERIFY2(colours(0, 20) > 150, "the map has few colours");
         QVERIFY2(colours(28, 40) > 150, "the bar has few colours");
-        int ink = 0;
-        for (std::size_t i = 48 * 300 * 3; i < picture.rgb.size(); i += 3) ink += picture.rgb[i] > 200;
-        QVERIFY2(ink > 60, qPrintable(QString("%1 pixels of numbers").arg(ink)));
-        QCOMPARE(heatmap(ScalarImage{4, 4, std::vector<float>(16, 0.5f)}, 1.0f, LegendUnit::percent).width, 240);
+        const auto ink = [&](std::size_t fromRow, std::size_t toRow) {
+            int bright = 0;
+            for (std::size_t i = fromRow * 300 * 3; i < toRow * 300 * 3; i += 3) bright += picture.rgb[i] > 200;
+            return bright;
+        };
+        QVERIFY2(ink(48, 57) > 60, qPrintable(QString("%1 pixels of numbers").arg(ink(48, 57))));
+        QVERIFY2(ink(60, 80) > 60, qPrintable(QString("%1 pixels of caption").arg(ink(60, 80))));
+        const ScalarImage small{4, 4, std::vector<float>(16, 0.5f)};
+        QCOMPARE(heatmap(small, {ErrorKind::relative, 1.0f, LegendUnit::percent, ""}).width, 240);
+    }
+
+    void signedHeatmapIsWhiteInTheMiddle()
+    {
+        ScalarImage map{240, 1, std::vector<float>(240, 0.0f)};
+        map.values[0] = -0.2f;
+        map.values[239] = 0.2f;
+        const ByteImage picture = heatmap(map, {ErrorKind::difference, 0.2f, LegendUnit::percent, ""});
+        const auto at = [&](int x, int y) {
+            const std::uint8_t* p = picture.rgb.data() + 3 * (y * 240 + x);
+            return glm::ivec3(p[0], p[1], p[2]);
+        };
+        QVERIFY(at(0, 0).z > at(0, 0).x + 100 && at(239, 0).x > at(239, 0).z + 100);
+        QVERIFY(at(120, 0).x > 235 && at(120, 0).y > 235 && at(120, 0).z > 235);
+        const int bar = 1 + 12; // inside the legend's bar, which runs from 12 to 227
+        QVERIFY(at(13, bar).z > at(13, bar).x + 100 && at(226, bar).x > at(226, bar).z + 100);
+        QVERIFY(at(119, bar).y > 230 && at(120, bar).y > 230);
     }
 };
 

@@ -68,6 +68,30 @@ dvec3 toneInDouble(dvec3 c)
 
 double srgbInDouble(double v) { return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055; }
 
+/// CIELAB (D65) to linear Rec.709, written from CIE 15 and IEC 61966-2-1.
+dvec3 labInDouble(dvec3 lab)
+{
+    const double y = (lab.x + 16.0) / 116.0;
+    const auto inverse = [](double f) { return f > 24.0 / 116.0 ? f * f * f : (f - 16.0 / 116.0) * 108.0 / 841.0; };
+    const dvec3 xyz(0.9504559 * inverse(y + lab.y / 500.0), inverse(y), 1.0890578 * inverse(y - lab.z / 200.0));
+    return {dot(dvec3(3.2409699, -1.5373832, -0.4986108), xyz), dot(dvec3(-0.9692436, 1.8759675, 0.0415551), xyz),
+            dot(dvec3(0.0556301, -0.2039770, 1.0569715), xyz)};
+}
+
+dvec3 sequentialInDouble(double t)
+{
+    t = std::clamp(t, 0.0, 1.0);
+    const double s = t + t * (1.0 - t) * (-0.08473851 + 0.6448521 * t - 0.3074642 * t * t);
+    const double a = (1.0 - s) * (1.0 - s), b = 2.0 * s * (1.0 - s), c = s * s; // Bernstein's form of the parabola
+    return labInDouble(a * dvec3(14, 24, -40) + b * dvec3(54, 62, 6) + c * dvec3(94, -8, 45));
+}
+
+dvec3 divergingInDouble(double t)
+{
+    const double a = std::min(std::abs(t), 1.0);
+    return labInDouble((1.0 - a) * dvec3(96, 0, 0) + a * (t < 0.0 ? dvec3(36, 24, -58) : dvec3(36, 54, 32)));
+}
+
 dvec3 metalInDouble(dvec3 f0, double alpha, dvec3 n, dvec3 l, dvec3 v)
 {
     const double nl = glm::dot(n, l), nv = glm::dot(n, v);
@@ -144,6 +168,12 @@ const Twin kTwins[] = {
     {"tone", "vec4(toneCurve(a.xyz, kToneSoft), 0.0)",
      [](vec4 a, vec4) { return v4(shader::toneCurve(xyz(a), shader::kToneSoft)); },
      [](dvec4 a, dvec4) { return dvec4(toneInDouble(xyz(a)), 0); }, -0.1f, 8, false, 2e-6, true},
+    {"sequential", "vec4(sequentialColour(a.x), 0.0)",
+     [](vec4 a, vec4) { return v4(shader::sequentialColour(a.x)); },
+     [](dvec4 a, dvec4) { return dvec4(sequentialInDouble(a.x), 0); }, -0.1f, 1.1f, false, 4e-6, true},
+    {"diverging", "vec4(divergingColour(a.x), 0.0)",
+     [](vec4 a, vec4) { return v4(shader::divergingColour(a.x)); },
+     [](dvec4 a, dvec4) { return dvec4(divergingInDouble(a.x), 0); }, -1.1f, 1.1f, false, 4e-6, true},
     {"screen", "vec4(screenColour(a.xyz, 0.25, kToneNone), srgbDecode(min(abs(b.x) / 8.0, 1.0)))",
      [](vec4 a, vec4 b) { return vec4(shader::screenColour(xyz(a), 0.25f, shader::kToneNone), shader::srgbDecode(std::min(std::abs(b.x) / 8.0f, 1.0f))); },
      [](dvec4 a, dvec4 b) {
@@ -207,6 +237,7 @@ class ShaderTwinsTest : public QObject {
         const QByteArray text =
             QByteArray("#version 330 core\n"
                        "#include \"shared_limits.glsl\"\n#include \"common_colour.glsl\"\n"
+                       "#include \"common_false_colour.glsl\"\n"
                        "#include \"common_octree.glsl\"\n#include \"common_shading.glsl\"\n"
                        "#include \"common_vdl.glsl\"\n"
                        "uniform sampler2D inputA, inputB;\nout vec4 result;\nvoid main()\n{\n"

@@ -2,6 +2,7 @@
 #pragma once
 #include "core/base/log.h"
 #include "core/base/parallel.h"
+#include "core/compare/false_colour.h"
 #include "core/params/param_text.h"
 #include "core/scene/scene.h"
 #include "core/trace/ray_scene.h"
@@ -86,6 +87,9 @@ int render(const Context& context, const RenderCommand& command);
 
 struct CompareCommand {
     std::string a, b, metric, heatmap;
+    ErrorKind map = ErrorKind::relative; ///< what the heatmap shows
+    std::string scene, camera;           ///< of a bake; the camera else as in the reference's header
+    BakeOptions options;                 ///< how a bake is shown
 };
 int compare(const Context& context, const CompareCommand& command);
 

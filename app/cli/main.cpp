@@ -28,6 +28,7 @@ std::vector<std::string> texts(const std::array<std::string_view, N>& names)
 
 constexpr std::array<std::string_view, 4> kProgressNames{"auto", "bar", "json", "none"};
 constexpr std::array<std::string_view, 4> kLevelNames{"debug", "info", "warning", "error"};
+constexpr std::array<std::string_view, 3> kErrorMapNames{"relative", "absolute", "signed"};
 constexpr std::uint64_t kMostWhole = 1ull << 53; ///< the largest number that files keep exactly
 
 /// Place of a checked name in the list that its enum follows.
@@ -65,7 +66,7 @@ struct Spoken {
     cli::Context context;
     std::string progress = "auto", level = "info";
     cli::BakeOptions bakeOptions; ///< one command runs, so all share these
-    std::string isa = "auto", size = "800x600";
+    std::string isa = "auto", size = "800x600", errorMap = "relative";
     std::string scene, output;
     std::uint64_t count = 0;
     std::string sampleName;
@@ -168,14 +169,19 @@ private:
             ->option_text("BAKE.vdb");
     }
 
+    void addSet(CLI::App& to)
+    {
+        to.add_option("--set", spoken_.bakeOptions.set, "One parameter; see lightloom-cli params. May be repeated")
+            ->allow_extra_args(false)
+            ->option_text("NAME=VALUE");
+    }
+
     void addBakeOptions(CLI::App& to)
     {
         cli::BakeOptions& o = spoken_.bakeOptions;
         addChoice(to, "--preset", o.preset, texts(kPresetNames), "All parameters at once, by purpose")
             ->each([&o](const std::string&) { o.isPresetGiven = true; });
-        to.add_option("--set", o.set, "One parameter; see lightloom-cli params. May be repeated")
-            ->allow_extra_args(false)
-            ->option_text("NAME=VALUE");
+        addSet(to);
         to.add_option("--target-stderr", o.targetStderr, "Stop the reference at this error, a fraction of the mean")
             ->option_text("FRACTION");
         addChoice(to, "--isa", spoken_.isa, texts(kIsaNames), "Instruction set for rays; part of the result's bits");
@@ -285,13 +291,24 @@ private:
     void addCompare()
     {
         cli::CompareCommand& c = spoken_.compare;
-        CLI::App* command = addCommand("compare", "Errors of A against the reference B: two tables or two pictures",
-                                       [this] { return cli::compare(spoken_.context, spoken_.compare); });
-        command->add_option("A", c.a, "RESULT.csv, .exr or .png")->required();
-        command->add_option("B", c.b, "The reference, of the same kind")->required();
+        CLI::App* command =
+            addCommand("compare", "Errors of A against the reference B: two tables, two pictures, or a bake", [this] {
+                spoken_.compare.options = bakeOptions();
+                spoken_.compare.map = named<ErrorKind>(kErrorMapNames, spoken_.errorMap);
+                return cli::compare(spoken_.context, spoken_.compare);
+            });
+        command->add_option("A", c.a, "RESULT.csv, .exr, .png, or BAKE.vdb")->required();
+        command->add_option("B", c.b, "The reference, of the same kind; .csv or .exr for a bake")->required();
         addChoice(*command, "--metric", c.metric, {"relrmse", "bias", "mae", "p95", "max", "perpoint", "flip"},
                   "Print this figure alone, as a fraction");
-        command->add_option("--heatmap", c.heatmap, "Where to write the error in false colour (.png)");
+        command->add_option("--heatmap", c.heatmap, "Where to write the error in false colour")->option_text("OUT.png");
+        addChoice(
+            *command, "--map", spoken_.errorMap, texts(kErrorMapNames),
+            "What the heatmap shows: error over the mean, error in the picture's unit, or too dark and too bright");
+        command->add_option("--scene", c.scene, "The bake's scene")->option_text("SCENE");
+        command->add_option("--camera", c.camera, "Camera of a picture that does not tell its own")
+            ->option_text("NAME|INDEX");
+        addSet(*command);
     }
 
     Spoken& spoken_;

@@ -2,10 +2,10 @@
 #include "app/cli/methods.h"
 #include "app/cli/progress.h"
 #include "core/base/atomic_file.h"
+#include "core/compare/field_probe.h"
 #include "core/compare/image_error.h"
 #include "core/compare/probes.h"
 #include "core/compare/reference_store.h"
-#include "core/trace/final_gather.h"
 #include <atomic>
 #include <chrono>
 #include <fmt/format.h>
@@ -15,7 +15,6 @@ namespace lightloom::cli {
 namespace {
 
 constexpr double kBakeShare = 0.8; ///< of a probe's time, where it bakes first
-constexpr std::uint64_t kGatherStream = hashName("probe gather");
 
 /// Light at the rows that were finished, the first ones.
 ProbeTable tableOf(const std::vector<ProbeRow>& rows, std::size_t finished)
@@ -49,43 +48,17 @@ ProbeTable byReference(const Context& context, const ReferenceStore& store, cons
     return table;
 }
 
-/// One row: exact direct light; indirect from the field, gathered where the field has no answer.
-class RowLight {
-public:
-    explicit RowLight(const Lighting& lighting) : lighting_(lighting)
-    {
-        cached_ = [this](glm::vec3 p, glm::vec3 n, glm::vec3& lux) { return lighting_.field->lookup(p, n, lux); };
-    }
-    void at(const ProbePoint& point, glm::vec3& direct, glm::vec3& indirect) const
-    {
-        const RayScene& rays = *lighting_.lit.rays;
-        const LightSampler& lights = *lighting_.lit.lights;
-        const BakeParams& params = lighting_.params;
-        Rng rng(params.seed, point.stream, 0);
-        direct = directIlluminance(rays, lights, {}, point.position, point.normal, params.directSamples, rng);
-        indirect = glm::vec3(0.0f);
-        if (!lighting_.field || lighting_.field->lookup(point.position, point.normal, indirect)) return;
-        Rng gatherRng(params.seed, mixBits(point.stream ^ kGatherStream), 0);
-        indirect = gatherIndirect(rays, lights, {}, cached_, point.position, point.normal, params.probeRays,
-                                  kShadowRaysPerHit, gatherRng);
-    }
-
-private:
-    static constexpr int kShadowRaysPerHit = 4; ///< hundreds of hits share the noise
-    const Lighting& lighting_;
-    CachedIndirect cached_;
-};
-
 ProbeTable byField(const Context& context, const Lighting& lighting, const std::vector<ProbeRow>& rows,
                    const std::vector<ProbePoint>& points)
 {
-    const RowLight light(lighting);
+    const FieldProbe light(*lighting.lit.rays, *lighting.lit.lights, lighting.field.get(), lighting.params);
     ProbeTable table = tableOf(rows, rows.size());
     std::vector<std::uint8_t> isDone(rows.size(), 0);
     std::atomic<std::size_t> done = 0;
     const double from = lighting.bakeSeconds > 0 ? kBakeShare : 0.0;
     context.workers->run(rows.size(), context.stop, [&](std::size_t i) {
-        light.at(points[i], table.direct[i], table.indirect[i]);
+        table.direct[i] = light.direct(points[i]);
+        table.indirect[i] = light.indirect(points[i]);
         isDone[i] = 1;
         const double part = static_cast<double>(++done) / static_cast<double>(rows.size());
         context.report->progress("probe", from + (1.0 - from) * part);

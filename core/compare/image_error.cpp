@@ -89,15 +89,14 @@ double relativeNoise(std::span<const glm::vec3> standardErrors, double meanRefer
     return std::sqrt(squares / static_cast<double>(standardErrors.size())) / meanReference;
 }
 
-ScalarImage relativeErrorMap(const FloatImage& image, const FloatImage& reference, double meanReference)
+ScalarImage errorMap(const FloatImage& image, const FloatImage& reference, double meanReference, ErrorKind kind)
 {
     assert(image.isSameSize(reference));
     ScalarImage map{image.width, image.height, {}};
     map.values.reserve(image.pixels.size());
-    const double scale = meanReference > 0.0 ? 1.0 / meanReference : 0.0;
+    const auto mean = static_cast<float>(meanReference);
     for (std::size_t i = 0; i < image.pixels.size(); ++i) {
-        const double d = double{luminance(image.pixels[i])} - double{luminance(reference.pixels[i])};
-        map.values.push_back(static_cast<float>(std::abs(d) * scale));
+        map.values.push_back(errorValue(kind, luminance(image.pixels[i]), luminance(reference.pixels[i]), mean));
     }
     return map;
 }

@@ -2,6 +2,7 @@
 #pragma once
 #include "core/base/image.h"
 #include "core/base/result.h"
+#include "core/compare/false_colour.h"
 #include <cstdint>
 #include <span>
 #include <string_view>
@@ -42,7 +43,8 @@ struct ScalarImage {
     std::vector<float> values;
 };
 
-/// |d| / m per pixel; sizes must match (asserted).
-[[nodiscard]] ScalarImage relativeErrorMap(const FloatImage& image, const FloatImage& reference, double meanReference);
+/// `errorValue` of the luminances, per pixel; sizes must match (asserted).
+[[nodiscard]] ScalarImage errorMap(const FloatImage& image, const FloatImage& reference, double meanReference,
+                                   ErrorKind kind);
 
 } // namespace lightloom
