@@ -94,7 +94,8 @@ void measure(const std::string& name, const Settings& settings)
         BakeProducts fresh;
         if (const Result<Done> done = solver->bake(job, fresh, control); !done)
             fmt::print("{}\n", done.error().message);
-        for (const auto& [stage, ms] : fresh.counters.stageMs) fmt::print(stderr, "{} {} {:.0f} ms\n", name, stage, ms);
+        for (const StageCost& s : fresh.counters.stages)
+            fmt::print(stderr, "{} {} {:.0f} ms\n", name, s.stage, s.wallMs);
     }
 }
 

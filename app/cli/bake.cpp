@@ -28,8 +28,8 @@ nlohmann::json vec(glm::dvec3 v) { return {v.x, v.y, v.z}; }
 nlohmann::json report(const Lighting& lighting, const BakeInfo& info, std::uint64_t fileBytes, int threads)
 {
     const WorkCounters& c = lighting.counters;
-    nlohmann::json stages = nlohmann::json::object();
-    for (const auto& [stage, ms] : c.stageMs) stages[stage] = ms;
+    nlohmann::json stages = nlohmann::json::object(), stagesCpu = nlohmann::json::object();
+    for (const StageCost& s : c.stages) stages[s.stage] = s.wallMs, stagesCpu[s.stage] = s.cpuMs;
     nlohmann::json params = nlohmann::json::object();
     for (const ParamSpec& spec : kParams) params[std::string(spec.key)] = paramText(info.params, spec);
     return {{"method", methodName(info.method)},
@@ -39,7 +39,9 @@ nlohmann::json report(const Lighting& lighting, const BakeInfo& info, std::uint6
             {"scene_hash", toHex(info.sceneHash)},
             {"parameters", params},
             {"seconds", lighting.bakeSeconds},
+            {"cpu_seconds", allCpuSeconds(c.stages)},
             {"stages_ms", stages},
+            {"stages_cpu_ms", stagesCpu},
             {"memory_bytes", lighting.field->memoryBytes()},
             {"file_bytes", fileBytes},
             {"work",
@@ -66,11 +68,11 @@ nlohmann::json report(const Lighting& lighting, const BakeInfo& info, std::uint6
 void print(const Lighting& lighting, const std::string& output, std::uint64_t fileBytes)
 {
     const WorkCounters& c = lighting.counters;
-    fmt::print("{}: {:.2f} s, {} photons shot, {} stored", methodName(lighting.method), lighting.bakeSeconds,
-               c.photonsShot, c.photonsStored);
+    fmt::print("{}: {:.2f} s, {:.2f} CPU-s, {} photons shot, {} stored", methodName(lighting.method),
+               lighting.bakeSeconds, allCpuSeconds(c.stages), c.photonsShot, c.photonsStored);
     if (lighting.method == Method::lightOctree) fmt::print(", {} leaves, {} entries", c.leaves, c.entries);
     fmt::print("\n");
-    for (const auto& [stage, ms] : c.stageMs) fmt::print("  {:<12} {:9.1f} ms\n", stage, ms);
+    for (const StageCost& s : c.stages) fmt::print("  {:<12} {:9.1f} ms {:9.1f} CPU-ms\n", s.stage, s.wallMs, s.cpuMs);
     const double emitted = glm::dot(c.ledger.emitted, glm::dvec3(1.0));
     if (emitted > 0.0) {
         const auto share = [&](glm::dvec3 v) { return 100.0 * glm::dot(v, glm::dvec3(1.0)) / emitted; };

@@ -8,6 +8,7 @@
 #include <immintrin.h>
 #include <mutex>
 #include <thread>
+#include <time.h>
 #include <vector>
 
 namespace lightloom {
@@ -19,6 +20,16 @@ FlushDenormals::FlushDenormals() : saved_(_mm_getcsr())
 FlushDenormals::~FlushDenormals() { _mm_setcsr(saved_); }
 
 namespace {
+
+double secondsOf(clockid_t clock)
+{
+    timespec now{};
+    clock_gettime(clock, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+thread_local double helpedSeconds = 0.0; ///< what pool threads have worked for this one
+
 /// One call of `run`, shared by the threads that work on it.
 struct Task {
     Task(std::size_t count, const std::stop_token& token, const std::function<void(std::size_t)>& call)
@@ -31,6 +42,7 @@ struct Task {
     std::atomic<std::size_t> next{0};
     std::atomic<bool> failed{false};
     std::atomic<std::size_t> ended{0};
+    double helpedSeconds = 0.0; // of the pool's threads; guarded by the pool's mutex
     std::exception_ptr failure;
     std::mutex failureLock;
 
@@ -74,8 +86,11 @@ struct Workers::State {
             Task* mine = task;
             ++working;
             lock.unlock();
+            const double began = secondsOf(CLOCK_THREAD_CPUTIME_ID);
             mine->work();
+            const double worked = secondsOf(CLOCK_THREAD_CPUTIME_ID) - began;
             lock.lock();
+            mine->helpedSeconds += worked;
             if (--working == 0) idle.notify_all();
         }
     }
@@ -97,6 +112,10 @@ Workers::~Workers()
     for (std::thread& thread : state_->threads) thread.join();
 }
 
+double threadWorkSeconds() { return secondsOf(CLOCK_THREAD_CPUTIME_ID) + helpedSeconds; }
+
+double processCpuSeconds() { return secondsOf(CLOCK_PROCESS_CPUTIME_ID); }
+
 int Workers::threadCount() const { return static_cast<int>(state_->threads.size()) + 1; }
 
 bool Workers::run(std::size_t blocks, const std::stop_token& stop, const std::function<void(std::size_t)>& body)
@@ -117,6 +136,7 @@ bool Workers::run(std::size_t blocks, const std::stop_token& stop, const std::fu
         std::unique_lock lock(state_->mutex);
         state_->task = nullptr; // latecomers stay asleep
         state_->idle.wait(lock, [&] { return state_->working == 0; });
+        helpedSeconds += task.helpedSeconds;
     }
     if (task.failure) std::rethrow_exception(task.failure);
     return task.ended == blocks;

@@ -31,6 +31,13 @@ private:
     std::unique_ptr<State> state_;
 };
 
+/// CPU-seconds that the calling thread has worked, and pool threads on its behalf in `Workers::run`. Differences are
+/// what a piece of work cost, whatever else the program does meanwhile. Embree's own threads are not in it.
+[[nodiscard]] double threadWorkSeconds();
+
+/// CPU-seconds of all threads of the program so far.
+[[nodiscard]] double processCpuSeconds();
+
 /// Sets flush-to-zero and denormals-are-zero on this thread while it lives, as Embree wants it.
 class FlushDenormals {
 public:

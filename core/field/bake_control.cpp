@@ -9,6 +9,13 @@ BakeControl::BakeControl(Workers& workers, Sinks sinks, std::stop_token stop, st
 {
 }
 
+BakeControl::BakeControl(BakeControl& outer, Sinks sinks)
+    : BakeControl(outer.workers_, std::move(sinks), outer.stop_, outer.serial_)
+{
+    outer_ = &outer;
+    outerBeganMs_ = outer.elapsedMs();
+}
+
 void BakeControl::publish(std::shared_ptr<const IndirectField> field, int level, bool isFinal, bool isRough)
 {
     if (sinks_.publish) sinks_.publish({std::move(field), level, isRough, isFinal, elapsedMs(), serial_});
@@ -57,12 +64,14 @@ void BakeControl::setPaused(bool paused)
 
 void BakeControl::waitWhilePaused()
 {
+    if (outer_) outer_->waitWhilePaused();
     std::unique_lock lock(mutex_);
     resume_.wait(lock, stop_, [this] { return !paused_; });
 }
 
 double BakeControl::elapsedMs() const
 {
+    if (outer_) return outer_->elapsedMs() - outerBeganMs_;
     std::lock_guard lock(mutex_);
     const auto now = paused_ ? pausedAt_ : Clock::now();
     return std::chrono::duration<double, std::milli>(now - began_ - pausedFor_).count();

@@ -35,6 +35,9 @@ public:
         std::function<void(Progress)> progress; ///< on any worker, at most 20 times a second
     };
     BakeControl(Workers& workers, Sinks sinks, std::stop_token stop = {}, std::uint64_t serial = 0);
+    /// For one bake of several inside a longer job: results go to `sinks`, stop and pause are those of `outer`, which
+    /// must live longer.
+    BakeControl(BakeControl& outer, Sinks sinks);
 
     [[nodiscard]] Workers& workers() { return workers_; }
     [[nodiscard]] const std::stop_token& stop() const { return stop_; }
@@ -57,6 +60,8 @@ private:
     Sinks sinks_;
     std::stop_token stop_;
     std::uint64_t serial_;
+    BakeControl* outer_ = nullptr;
+    double outerBeganMs_ = 0;
     Clock::time_point began_ = Clock::now();
     mutable std::mutex mutex_;
     std::condition_variable_any resume_;

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include "core/field/stage_cost.h"
 #include "core/trace/light_reach.h"
 #include "core/trace/photon_tracer.h"
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <typeindex>
 
@@ -18,12 +20,13 @@ struct WorkCounters {
     std::uint64_t leaves = 0, entries = 0, gathers = 0, clusterings = 0;
     std::uint64_t degenerateEntries = 0; ///< gathers whose kernel had no area; their photons were spread over a floor
     Ledger ledger;
-    std::vector<std::pair<std::string, double>> stageMs; ///< "shoot", "tree", "gather d4", ... in order
+    std::vector<StageCost> stages; ///< in order of their first end; kept ones where they were found
 };
 
 /// What earlier bakes left, so that nothing is computed twice: photon paths, trees, geometry, layers, each under a key
 /// that names all it depends on (scene hash, light group, stage's parameters). Owned by the session; one bake at a time
-/// works on it. Keeps what the newest bakes used and drops the rest.
+/// works on it. Keeps what the newest bakes used and drops the rest. A product remembers what it cost: the first `find`
+/// in a round adds that to the counters as kept.
 class BakeProducts {
 public:
     template<class T>
@@ -32,14 +35,25 @@ public:
         std::lock_guard lock(mutex_);
         const auto found = kept_.find({typeid(T), key});
         if (found == kept_.end()) return nullptr;
-        found->second.lastUse = round_;
-        return std::static_pointer_cast<const T>(found->second.value);
+        Kept& kept = found->second;
+        if (kept.lastUse != round_ && kept.cost) addCost(counters.stages, *kept.cost);
+        kept.lastUse = round_;
+        return std::static_pointer_cast<const T>(kept.value);
     }
     template<class T>
     void keep(const std::string& key, std::shared_ptr<const T> value)
     {
         std::lock_guard lock(mutex_);
-        kept_[{typeid(T), key}] = {std::move(value), round_};
+        kept_[{typeid(T), key}] = {std::move(value), round_, {}};
+    }
+    /// The same for a product whose making was measured; adds `cost` to the counters.
+    template<class T>
+    void keep(const std::string& key, std::shared_ptr<const T> value, StageCost cost)
+    {
+        std::lock_guard lock(mutex_);
+        addCost(counters.stages, cost);
+        cost.isKept = true;
+        kept_[{typeid(T), key}] = {std::move(value), round_, std::move(cost)};
     }
     /// Call at the start of a bake: products that neither this nor the `rounds` before it use are dropped.
     void beginRound(int rounds = 2);
@@ -51,6 +65,7 @@ private:
     struct Kept {
         std::shared_ptr<const void> value;
         std::uint64_t lastUse = 0;
+        std::optional<StageCost> cost; ///< marked as kept
     };
     std::mutex mutex_;
     std::map<std::pair<std::type_index, std::string>, Kept> kept_;

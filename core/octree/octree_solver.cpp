@@ -78,7 +78,6 @@ public:
         if (!geometry) return cancelled();
         products_.counters.leaves = geometry->cells.size();
         products_.counters.entries = geometry->entries.size();
-        const StageClock clock(products_.counters, fmt::format("gather d{}", d));
         std::vector<std::shared_ptr<const VdlLayer>> layers(photons_.maps.size());
         for (std::size_t g = 0; g < layers.size(); ++g) {
             if (!photons_.maps[g]) continue;
@@ -101,10 +100,10 @@ private:
         const std::string key = fmt::format("{}d{} shift{}", photons_.scene.key, d, job_.params.gridShift);
         auto geometry = products_.find<OctreeGeometry>(key);
         if (geometry) return geometry;
-        const StageClock clock(products_.counters, fmt::format("octree d{}", d));
+        const StageClock clock(fmt::format("octree d{}", d), control_);
         geometry = buildOctree(job_.scene->bounds, *photons_.scene.reach, d, job_.params.gridShift, control_.workers(),
                                control_.stop());
-        if (geometry) products_.keep(key, geometry);
+        if (geometry) products_.keep(key, geometry, clock.stop());
         return geometry;
     }
 
@@ -115,13 +114,14 @@ private:
         const std::string key =
             photons_.scene.key + job_.scene->groups[g].id + "\n" + stageKey(atDepth, Stage::fit, Method::lightOctree);
         if (auto kept = products_.find<VdlLayer>(key)) return kept;
+        const StageClock clock(fmt::format("gather d{}", geometry.depth), control_);
         auto layer = std::make_shared<VdlLayer>();
         layer->group = static_cast<int>(g);
         layer->count = job_.params.vdlCount;
         layer->vdls.resize(geometry.entries.size() * static_cast<std::size_t>(layer->count));
         layer->scalar.resize(geometry.entries.size());
         if (!fitAll(geometry, *photons_.maps[g], *layer)) return nullptr;
-        products_.keep<VdlLayer>(key, layer);
+        products_.keep<VdlLayer>(key, layer, clock.stop());
         return layer;
     }
 
@@ -175,7 +175,7 @@ Result<Done> showRough(const BakeJob& job, BakeProducts& products, BakeControl& 
     WorkCounters& counters = products.counters;
     WorkCounters work;
     work.photonsShot = counters.photonsShot, work.raysTraced = counters.raysTraced;
-    work.photonsReused = counters.photonsReused, work.stageMs = counters.stageMs;
+    work.photonsReused = counters.photonsReused, work.stages = counters.stages;
     counters = work;
     return shown;
 }

@@ -6,17 +6,6 @@
 
 namespace lightloom {
 
-StageClock::StageClock(WorkCounters& counters, std::string stage)
-    : counters_(counters), stage_(std::move(stage)), began_(std::chrono::steady_clock::now())
-{
-}
-
-StageClock::~StageClock()
-{
-    const std::chrono::duration<double, std::milli> spent = std::chrono::steady_clock::now() - began_;
-    counters_.stageMs.emplace_back(stage_, spent.count());
-}
-
 Result<SceneProducts> sceneProducts(const BakeJob& job, BakeProducts& products, BakeControl& control)
 {
     SceneProducts result;
@@ -24,23 +13,24 @@ Result<SceneProducts> sceneProducts(const BakeJob& job, BakeProducts& products, 
     result.key = fmt::format("{}/{}/", toHex(hash), kIsaNames[static_cast<std::size_t>(job.isa)]);
     result.rays = products.find<RayScene>(result.key);
     if (!result.rays) {
-        const StageClock clock(products.counters, "rays");
+        const StageClock clock("rays", control, CpuClock::process);
         Result<std::shared_ptr<const RayScene>> built = RayScene::build(job.scene, job.isa, control.stop());
         if (!built) return built.error();
         result.rays = *built;
-        products.keep(result.key, result.rays);
+        products.keep(result.key, result.rays, clock.stop());
     }
     result.lights = products.find<LightSampler>(result.key);
     if (!result.lights) {
+        const StageClock clock("lamps", control);
         result.lights = std::make_shared<LightSampler>(result.rays);
-        products.keep(result.key, result.lights);
+        products.keep(result.key, result.lights, clock.stop());
     }
     result.reach = products.find<LightReach>(result.key);
     if (!result.reach) {
-        const StageClock clock(products.counters, "reach");
+        const StageClock clock("reach", control);
         result.reach = LightReach::find(*result.rays, *result.lights, control.workers(), control.stop());
         if (!result.reach) return cancelled();
-        products.keep(result.key, result.reach);
+        products.keep(result.key, result.reach, clock.stop());
     }
     return result;
 }
@@ -71,6 +61,7 @@ std::shared_ptr<const PhotonPaths> paths(const BakeJob& job, const SceneProducts
         ++counters.groupsReused;
         return kept;
     }
+    const StageClock clock("shoot", control);
     const PhotonJob shoot{group, job.params.seed, static_cast<std::uint64_t>(job.params.photonCount),
                           job.params.pathDepth};
     auto shot =
@@ -82,7 +73,7 @@ std::shared_ptr<const PhotonPaths> paths(const BakeJob& job, const SceneProducts
     if (!shot) return nullptr;
     counters.photonsShot += shot->shot;
     counters.raysTraced += shot->rays;
-    products.keep(key, shot);
+    products.keep(key, shot, clock.stop());
     return shot;
 }
 
@@ -102,11 +93,11 @@ Result<PhotonProducts> photonProducts(const BakeJob& job, BakeProducts& products
     result.scene = std::move(*scene);
     result.area = products.find<SurfaceArea>(result.scene.key);
     if (!result.area) {
+        const StageClock clock("area", control);
         result.area = std::make_shared<SurfaceArea>(*result.scene.reach);
-        products.keep(result.scene.key, result.area);
+        products.keep(result.scene.key, result.area, clock.stop());
     }
 
-    const StageClock clock(products.counters, "shoot");
     WorkCounters& counters = products.counters;
     int done = 0;
     for (int g = 0; g < groups; ++g) {
@@ -128,9 +119,10 @@ Result<PhotonProducts> photonProducts(const BakeJob& job, BakeProducts& products
         ++counters.groupsBaked;
         auto map = products.find<PhotonMap>(key);
         if (!map) {
+            const StageClock clock("tree", control);
             map = PhotonMap::build(shot, control.stop());
             if (!map) return cancelled();
-            products.keep(key, map);
+            products.keep(key, map, clock.stop());
         }
         result.maps.push_back(map);
         control.progress(Stage::shoot, share * ++done / on);

@@ -21,20 +21,6 @@ struct PhotonProducts {
 [[nodiscard]] Result<PhotonProducts> photonProducts(const BakeJob& job, BakeProducts& products, BakeControl& control,
                                                     double share);
 
-/// Milliseconds since construction, for counters.
-class StageClock {
-public:
-    StageClock(WorkCounters& counters, std::string stage);
-    ~StageClock();
-    StageClock(const StageClock&) = delete;
-    StageClock& operator=(const StageClock&) = delete;
-
-private:
-    WorkCounters& counters_;
-    std::string stage_;
-    std::chrono::steady_clock::time_point began_;
-};
-
 [[nodiscard]] inline Error cancelled() { return {Error::Kind::cancelled, "the bake was cancelled"}; }
 
 } // namespace lightloom
