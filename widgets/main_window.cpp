@@ -93,6 +93,10 @@ void MainWindow::connectWorkers()
         bridge_, &BakeBridge::progressed, this,
         [this](const Progress& progress) {
             if (progress.serial != jobSerial_ || !isBaking_) return;
+            // each change of a label composes the whole window again: 30 ms of work where the processor draws
+            const int wait = viewport_ != nullptr ? viewport_->pacer().tellMs() : FramePacer::kQuickTellMs;
+            if (progress.fraction < 1.0 && toldClock_.isValid() && toldClock_.elapsed() < wait) return;
+            toldClock_.start();
             bakePanel_->show(progress);
             statusStage_->setText(bakePanel_->stageText());
         },
@@ -197,6 +201,7 @@ void MainWindow::startBake(bool urgent)
     jobSerial_ = bridge_->start(std::move(job), urgent);
     isBaking_ = true;
     bakePanel_->begin();
+    if (viewport_ != nullptr) viewport_->setBusy(!bridge_->isPaused());
     pause_->setEnabled(true);
     cancel_->setEnabled(true);
 }
@@ -261,6 +266,7 @@ void MainWindow::bakeFinished(quint64 serial, const QString& error, bool isCance
 {
     if (serial != jobSerial_) return;
     isBaking_ = false;
+    if (viewport_ != nullptr) viewport_->setBusy(false);
     pause_->setEnabled(false);
     cancel_->setEnabled(false);
     const QString outcome = !error.isEmpty() ? tr("Failed") : isCancelled ? tr("Cancelled") : tr("Done");

@@ -4,6 +4,7 @@
 #include "widgets/bake_view.h"
 #include "widgets/gl/draw_data.h"
 #include "widgets/theme.h"
+#include <QElapsedTimer>
 #include <QMainWindow>
 #include <QTimer>
 #include <optional>
@@ -103,6 +104,7 @@ private:
     bool isBaking_ = false;
     BakeParams bakedParams_;
     QTimer editDelay_;
+    QElapsedTimer toldClock_; ///< since progress was shown
 
     SceneLoader* loader_;
     BakeBridge* bridge_;

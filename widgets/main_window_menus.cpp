@@ -99,6 +99,7 @@ void MainWindow::makeActions()
     connect(start_, &QAction::triggered, this, [this] { startBake(false); });
     connect(pause_, &QAction::toggled, this, [this](bool on) {
         bridge_->setPaused(on);
+        if (viewport_ != nullptr) viewport_->setBusy(isBaking_ && !on);
         pause_->setIconText(on ? tr("Go on") : tr("Pause"));
         statusStage_->setText(on ? tr("Paused") : bakePanel_->stageText());
     });

@@ -11,8 +11,6 @@ namespace {
 constexpr int kSamples = 8;        ///< pictures that are averaged at rest
 constexpr int kRestMs = 180;       ///< without motion until the full picture
 constexpr double kShadowMs = 12.0; ///< of a frame, for shadow maps
-constexpr double kSmoothMs = 50.0; ///< a moving picture should not take longer
-constexpr float kCoarsest = 0.25f;
 
 } // namespace
 
@@ -23,10 +21,9 @@ Viewport::Viewport(QWidget* parent) : QOpenGLWidget(parent)
     setMinimumSize(160, 120);
     setAccessibleName(tr("Picture of the scene"));
     rest_.setSingleShot(true);
-    rest_.setInterval(kRestMs);
     connect(&rest_, &QTimer::timeout, this, [this] {
         isMoving_ = false;
-        changed();
+        drawAnew();
     });
     walk_.setInterval(16);
     connect(&walk_, &QTimer::timeout, this, &Viewport::walkStep);
@@ -34,7 +31,6 @@ Viewport::Viewport(QWidget* parent) : QOpenGLWidget(parent)
     hover_.setInterval(60);
     connect(&hover_, &QTimer::timeout, this, &Viewport::hover);
     more_.setSingleShot(true);
-    more_.setInterval(1); // between two pictures the event loop gets its turn
     connect(&more_, &QTimer::timeout, this, qOverload<>(&QWidget::update));
 }
 
@@ -85,14 +81,24 @@ void Viewport::setScene(std::shared_ptr<const DrawData> drawn)
         }
         if (scene.exposureEv) frame_.exposureEv = *scene.exposureEv;
     }
-    changed();
+    pacer_.forget();
+    news();
 }
 
 void Viewport::setLight(const BakeView& view)
 {
     octree_ = view.gpu;
     octreeIsNew_ = true;
-    changed();
+    news();
+}
+
+void Viewport::setBusy(bool busy)
+{
+    if (busy == pacer_.isBusy()) return;
+    pacer_.setBusy(busy);
+    if (busy) return;
+    if (more_.isActive()) more_.start(pacer_.pauseMs());
+    if (rest_.isActive()) rest_.start(std::min(rest_.remainingTime(), kRestMs));
 }
 
 void Viewport::setMix(const Mix& mix)
@@ -153,14 +159,34 @@ bool Viewport::isSettled() const
     return isDrawn && !sceneIsNew_ && !octreeIsNew_ && !mixIsNew_;
 }
 
-void Viewport::moved()
-{
-    isMoving_ = true;
-    rest_.start();
-    changed();
-}
+void Viewport::moved() { coarseFor(kRestMs); }
 
 void Viewport::changed()
+{
+    if (pacer_.showsNewsCoarse()) {
+        coarseFor(kRestMs);
+    } else {
+        drawAnew();
+    }
+}
+
+void Viewport::news()
+{
+    if (pacer_.showsNewsCoarse()) {
+        coarseFor(std::max(kRestMs, pacer_.sharpenMs()));
+    } else {
+        drawAnew();
+    }
+}
+
+void Viewport::coarseFor(int ms)
+{
+    isMoving_ = true;
+    rest_.start(ms);
+    drawAnew();
+}
+
+void Viewport::drawAnew()
 {
     sample_ = 0;
     toldSettled_ = false;
@@ -187,13 +213,17 @@ void Viewport::applyPending()
 void Viewport::paintGL()
 {
     if (!renderer_) return;
+    QElapsedTimer all;
+    all.start();
     applyPending();
     const bool before = shadowsReady_;
-    shadowsReady_ = renderer_->drawShadows(isMoving_ ? 0.5 * kShadowMs : kShadowMs);
+    // at rest as long as a picture takes: each slice of them is followed by one
+    shadowsReady_ = renderer_->drawShadows(isMoving_ ? 0.5 * kShadowMs : std::max(kShadowMs, frameMs_));
     if (!before) sample_ = 0; // lit differently than the pictures averaged so far
     const float ratio = static_cast<float>(devicePixelRatioF());
     const glm::ivec2 window = glm::max(glm::ivec2(glm::vec2(width(), height()) * ratio + 0.5f), glm::ivec2(1));
-    scale_ = isMoving_ ? movingScale_ : 1.0f;
+    const bool isPassing = !shadowsReady_ && pacer_.showsNewsCoarse(); // the next slice will replace it
+    scale_ = isMoving_ || isPassing ? pacer_.coarseScale() : 1.0f;
     frame_.eye = camera_.eye();
     frame_.view = camera_.view();
     frame_.projection = camera_.projection(aspect());
@@ -207,17 +237,19 @@ void Viewport::paintGL()
         Q_EMIT problem(QString::fromStdString(drawn.error().message));
         return;
     }
-    frameMs_ = static_cast<double>(clock.nsecsElapsed()) * 1e-6;
-    if (isMoving_) { // half the pixels take half the time, nearly
-        if (frameMs_ > kSmoothMs) movingScale_ = std::max(kCoarsest, movingScale_ * 0.8f);
-        if (frameMs_ < 0.4 * kSmoothMs) movingScale_ = std::min(1.0f, movingScale_ * 1.15f);
-    }
+    frameDone(static_cast<double>(clock.nsecsElapsed()) * 1e-6, static_cast<double>(all.nsecsElapsed()) * 1e-6);
+}
+
+void Viewport::frameDone(double frameMs, double allMs)
+{
+    frameMs_ = frameMs;
+    pacer_.drew(scale_, isMoving_ || scale_ < 1.0f, frameMs, allMs);
     if (needsMetering_ && octree_ && frame_.mode == ViewMode::octree) meter();
     ++sample_;
-    Q_EMIT frameDrawn(frameMs_, !isMoving_);
+    Q_EMIT frameDrawn(frameMs_, !isMoving_ && scale_ == 1.0f);
     if (!data_) return;
     if (!isMoving_ && (sample_ < kSamples || !shadowsReady_)) {
-        more_.start();
+        more_.start(pacer_.pauseMs());
     } else if (isSettled() && !toldSettled_) {
         toldSettled_ = true;
         Q_EMIT settled();

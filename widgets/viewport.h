@@ -2,6 +2,7 @@
 #pragma once
 #include "widgets/bake_view.h"
 #include "widgets/camera_control.h"
+#include "widgets/frame_pacer.h"
 #include "widgets/gl/renderer.h"
 #include <QElapsedTimer>
 #include <QOpenGLWidget>
@@ -12,8 +13,9 @@
 namespace lightloom {
 
 /// The picture. Draws when something changed and not otherwise: at half resolution while the camera moves, at full
-/// resolution when it rests, then a few more times through shifted pixels until edges are smooth. Never waits for a
-/// bake. Show one only where `probeGl()` found OpenGL.
+/// resolution when it rests, then a few more times through shifted pixels until edges are smooth. While a bake runs
+/// (`setBusy`) polishing takes a small share of the time only. Never waits for a bake. Show one only where `probeGl()`
+/// found OpenGL.
 ///
 /// Left drag orbits, middle or shift-drag pans, the wheel zooms to the cursor, right drag looks around and W A S D (Q E
 /// down, up) walks meanwhile, a double click sets the pivot.
@@ -25,6 +27,7 @@ public:
 
     void setScene(std::shared_ptr<const DrawData> drawn); ///< null: empty
     void setLight(const BakeView& view);
+    void setBusy(bool busy); ///< a bake wants the processor
     void setMix(const Mix& mix);
     void setMode(ViewMode mode);
     void setIndirectOnly(bool only);
@@ -40,6 +43,7 @@ public:
     /// Nothing more will change by itself: full resolution, all shadow maps, smooth edges.
     [[nodiscard]] bool isSettled() const;
     [[nodiscard]] int shadowLayersDrawn() const { return renderer_ ? renderer_->shadowLayersDrawn() : 0; }
+    [[nodiscard]] const FramePacer& pacer() const { return pacer_; }
     /// Share of the widget's resolution of the last picture.
     [[nodiscard]] float scale() const { return scale_; }
 
@@ -67,8 +71,12 @@ protected:
 private:
     void releaseGl();
     void applyPending();
-    void moved();   ///< the camera did: coarse picture now, full one soon
-    void changed(); ///< anything else did
+    void moved();                                 ///< the camera did: coarse picture now, full one soon
+    void changed();                               ///< anything else did, by the user
+    void news();                                  ///< a bake brought something
+    void coarseFor(int ms);                       ///< coarse pictures until nothing else has come for as long
+    void drawAnew();                              ///< from the first sample
+    void frameDone(double frameMs, double allMs); ///< what a picture sets going
     void walkStep();
     void hover();
     void meter();
@@ -87,8 +95,9 @@ private:
     bool sceneIsNew_ = false, octreeIsNew_ = false, mixIsNew_ = false, needsMetering_ = false;
     bool isMoving_ = false, shadowsReady_ = false, toldSettled_ = false;
     int sample_ = 0; ///< pictures averaged so far
-    float scale_ = 1.0f, movingScale_ = 0.5f;
+    float scale_ = 1.0f;
     double frameMs_ = 0;
+    FramePacer pacer_;
     QPointF last_, hoverAt_;
     QSet<int> keys_;
     QElapsedTimer walkClock_;
