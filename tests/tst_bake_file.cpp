@@ -53,6 +53,7 @@ private Q_SLOTS:
         QCOMPARE(x.count, y.count);
         QCOMPARE(std::memcmp(x.vdls.data(), y.vdls.data(), x.vdls.size() * sizeof(Vdl)), 0);
         QCOMPARE(std::memcmp(x.scalar.data(), y.scalar.data(), x.scalar.size() * sizeof(glm::vec3)), 0);
+        QVERIFY(x.noise.size() == x.scalar.size() && x.noise == y.noise);
     }
 
     void sameBytesOnAnyThreads()

@@ -62,6 +62,9 @@ Result<BakeInfo> checkInfo(const openvdb::MetaMap& meta, const Scene& scene)
         return bad(fmt::format("the bake has format {}, this program reads up to {}; use a newer Lightloom", format,
                                kBakeFormat));
     }
+    if (format < kBakeFormat) {
+        return bad(fmt::format("the bake has format {}, from before the first release; bake again", format));
+    }
     BakeInfo info;
     const Result<Method> method = methodNamed(meta.metaValue<std::string>("lightloom.method"));
     if (!method) return method.error();

@@ -35,6 +35,7 @@ struct BakeFile {
 /// Bytes of a bake file: one OpenVDB stream, sealed (vdb_seal.h). Grids, all in the file's frame:
 ///   light-octree/d<depth>/geometry/{normal,centroid,area}/<entry>      one per orientation of a leaf
 ///   light-octree/d<depth>/<group>/scalar/<entry>                       lux on the entry's own surface
+///   light-octree/d<depth>/<group>/noise/<entry>                        standard error of its luminance, lux
 ///   light-octree/d<depth>/<group>/{colour,direction}/<entry>/<slot>    the VDLs
 ///   photon-map/d0/<group>/{position,to_light,flux,normal}/0/0          photon i at (i % 128, i / 128 % 128, i / 16384)
 /// "/" in group ids is written %2F. The same bake gives the same bytes; nothing in it depends on time or host.
@@ -48,6 +49,6 @@ Result<Done> writeBake(const std::filesystem::path& path, const IndirectField& f
 [[nodiscard]] Result<BakeFile> readBake(const std::filesystem::path& path, const Scene& scene);
 [[nodiscard]] Result<BakeFile> bakeFromBytes(std::span<const std::uint8_t> file, const Scene& scene);
 
-inline constexpr int kBakeFormat = 1; ///< rises when older programs could misread a file
+inline constexpr int kBakeFormat = 2; ///< rises when older programs could misread a file; 1 had no noise
 
 } // namespace lightloom

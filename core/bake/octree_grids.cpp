@@ -48,6 +48,7 @@ private:
         const auto count = static_cast<std::size_t>(layer.count);
         for (std::uint32_t e = 0; e < mostEntries_; ++e) {
             vectors(fmt::format("{}/scalar/{}", group, e), e, [&](std::uint32_t n) { return layer.scalar[n]; });
+            scalars(fmt::format("{}/noise/{}", group, e), e, [&](std::uint32_t n) { return layer.noise[n]; });
             for (std::size_t j = 0; j < count; ++j) {
                 const auto vdl = [&, j](std::uint32_t n) -> const Vdl& { return layer.vdls[n * count + j]; };
                 vectors(fmt::format("{}/colour/{}/{}", group, e, j), e, [&](std::uint32_t n) { return vdl(n).colour; });
@@ -133,10 +134,13 @@ public:
         layer->count = meta_.metaValue<std::int32_t>("lightloom.vdls");
         const auto count = static_cast<std::size_t>(layer->count);
         layer->scalar.resize(geometry.entries.size());
+        layer->noise.resize(geometry.entries.size());
         layer->vdls.resize(geometry.entries.size() * count);
         for (std::uint32_t e = 0; e < mostEntries_; ++e) {
             each<Vec3Grid>(geometry, fmt::format("{}/scalar/{}", group, e), e,
                            [&](std::size_t n, const openvdb::Vec3s& v) { layer->scalar[n] = fromVdb(v); });
+            each<FloatGrid>(geometry, fmt::format("{}/noise/{}", group, e), e,
+                            [&](std::size_t n, float v) { layer->noise[n] = v; });
             for (std::size_t j = 0; j < count; ++j) {
                 each<Vec3Grid>(
                     geometry, fmt::format("{}/colour/{}/{}", group, e, j), e,

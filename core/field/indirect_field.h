@@ -2,6 +2,7 @@
 #pragma once
 #include "core/scene/scene.h"
 #include <memory>
+#include <optional>
 #include <string_view>
 
 namespace lightloom {
@@ -15,6 +16,10 @@ public:
     /// Indirect illuminance (lux per channel, never negative) on a surface at `p` (scene space) facing `n` (unit).
     /// False, and `lux` zero, where no compatible entry lies within one cell: the caller gathers instead.
     [[nodiscard]] virtual bool lookup(glm::vec3 p, glm::vec3 n, glm::vec3& lux) const = 0;
+    /// Standard error of the luminance (lux) that `lookup` gives there, estimated from the spread of what it was made
+    /// from; what is biased alike everywhere (blur, say) does not show in it. Nothing where there is no answer, or
+    /// where the method cannot tell.
+    [[nodiscard]] virtual std::optional<float> noise(glm::vec3 /*p*/, glm::vec3 /*n*/) const { return {}; }
     /// The same layers under another mix (one gain per light group; missing ones count as 1). Cheap: layers are shared.
     [[nodiscard]] virtual std::shared_ptr<const IndirectField> withMix(Mix mix) const = 0;
     [[nodiscard]] virtual std::string_view method() const = 0;

@@ -40,41 +40,72 @@ std::int64_t entryFor(const OctreeGeometry& geometry, std::int64_t leaf, glm::ve
     return best;
 }
 
-} // namespace
-
-bool LightOctree::lookup(glm::vec3 p, glm::vec3 n, glm::vec3& lux) const
+/// Visits the compatible entries around `p` with their trilinear weights. Gives the sum of the weights, 0 if there are
+/// none.
+template<class Visit>
+float visitNeighbours(const OctreeGeometry& geometry, glm::vec3 p, glm::vec3 n, const Visit& visit)
 {
-    lux = glm::vec3(0.0f);
-    const glm::vec3 at = (p - geometry_->lowest) / geometry_->cellSize() - 0.5f;
+    const glm::vec3 at = (p - geometry.lowest) / geometry.cellSize() - 0.5f;
     const glm::vec3 base = glm::floor(at), part = at - base;
     // far outside the lattice (or NaN) no neighbour exists, and a cast to int would overflow
-    if (!(glm::length(base) < 4e6f)) return false;
+    if (!(glm::length(base) < 4e6f)) return 0.0f;
     const glm::ivec3 cell(base);
     float weights = 0.0f;
-    glm::vec3 sum(0.0f);
     for (int i = 0; i < 8; ++i) {
         const glm::ivec3 step(i & 1, i >> 1 & 1, i >> 2 & 1);
         const float weight =
             (step.x ? part.x : 1.0f - part.x) * (step.y ? part.y : 1.0f - part.y) * (step.z ? part.z : 1.0f - part.z);
         if (!(weight > 0.0f)) continue;
-        const std::int64_t leaf = geometry_->leafAt(cell + step);
+        const std::int64_t leaf = geometry.leafAt(cell + step);
         if (leaf < 0) continue;
-        const std::int64_t entry = entryFor(*geometry_, leaf, n);
+        const std::int64_t entry = entryFor(geometry, leaf, n);
         if (entry < 0) continue;
         weights += weight;
+        visit(static_cast<std::size_t>(entry), weight);
+    }
+    return weights;
+}
+
+} // namespace
+
+bool LightOctree::lookup(glm::vec3 p, glm::vec3 n, glm::vec3& lux) const
+{
+    glm::vec3 sum(0.0f);
+    const float weights = visitNeighbours(*geometry_, p, n, [&](std::size_t entry, float weight) {
         for (const auto& layer : layers_) {
             if (!layer) continue;
             const glm::vec3 gain = gainOf(mix_, layer->group);
-            const Vdl* vdls =
-                layer->vdls.data() + static_cast<std::size_t>(entry) * static_cast<std::size_t>(layer->count);
+            const Vdl* vdls = layer->vdls.data() + entry * static_cast<std::size_t>(layer->count);
             glm::vec3 e(0.0f);
             for (int j = 0; j < layer->count; ++j) e += vdls[j].colour * glm::max(0.0f, glm::dot(n, vdls[j].toLight));
             sum += weight * gain * e;
         }
+    });
+    lux = weights > 0.0f ? sum / weights : glm::vec3(0.0f);
+    return weights > 0.0f;
+}
+
+std::optional<float> LightOctree::noise(glm::vec3 p, glm::vec3 n) const
+{
+    float sum = 0.0f;
+    const float weights =
+        visitNeighbours(*geometry_, p, n, [&](std::size_t entry, float weight) { sum += weight * noiseOf(entry); });
+    if (!(weights > 0.0f)) return {};
+    return sum / weights;
+}
+
+float LightOctree::noiseOf(std::size_t entry) const
+{
+    float variance = 0.0f;
+    for (const auto& layer : layers_) {
+        if (!layer) continue;
+        const glm::vec3 scalar = layer->scalar[entry];
+        const float baked = luminance(scalar);
+        if (!(baked > 0.0f)) continue;
+        const float noise = layer->noise[entry] * luminance(gainOf(mix_, layer->group) * scalar) / baked;
+        variance += noise * noise;
     }
-    if (!(weights > 0.0f)) return false;
-    lux = sum / weights;
-    return true;
+    return std::sqrt(variance);
 }
 
 std::shared_ptr<const IndirectField> LightOctree::withMix(Mix mix) const
@@ -87,7 +118,7 @@ std::size_t LightOctree::memoryBytes() const
     std::size_t sum = geometry_->cells.size() * (sizeof(std::uint64_t) + sizeof(std::uint32_t)) +
                       geometry_->entries.size() * sizeof(OctreeEntry);
     for (const auto& layer : layers_) {
-        if (layer) sum += layer->vdls.size() * sizeof(Vdl) + layer->scalar.size() * sizeof(glm::vec3);
+        if (layer) sum += layer->vdls.size() * sizeof(Vdl) + layer->scalar.size() * (sizeof(glm::vec3) + sizeof(float));
     }
     return sum;
 }

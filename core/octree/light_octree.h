@@ -42,7 +42,8 @@ struct VdlLayer {
     int count = 1;
     std::vector<Vdl> vdls;
     std::vector<glm::vec3>
-        scalar; ///< per entry: sum of flux / area, lux on the entry's own surface, without directions
+        scalar;               ///< per entry: sum of flux / area, lux on the entry's own surface, without directions
+    std::vector<float> noise; ///< per entry: standard error of the luminance of `scalar`, from the gather's own photons
 };
 
 /// The light octree (Vivanloc et al. 2007, corrected as in docs/methods): geometry, one layer per light group, a mix.
@@ -53,6 +54,9 @@ public:
 
     /// 8-neighbour interpolation over entries compatible with `n` (n . n_j >= 0.3), renormalised by those that exist.
     [[nodiscard]] bool lookup(glm::vec3 p, glm::vec3 n, glm::vec3& lux) const override;
+    /// As `lookup` blends. Lamps are independent; neighbouring entries share most photons, so their errors are taken
+    /// as one, which overstates the noise where kernels are no wider than cells.
+    [[nodiscard]] std::optional<float> noise(glm::vec3 p, glm::vec3 n) const override;
     [[nodiscard]] std::shared_ptr<const IndirectField> withMix(Mix mix) const override;
     [[nodiscard]] std::string_view method() const override { return "light-octree"; }
     [[nodiscard]] std::size_t memoryBytes() const override;
@@ -65,6 +69,8 @@ public:
     [[nodiscard]] std::vector<Vdl> mixed(std::uint32_t e, int most) const;
 
 private:
+    [[nodiscard]] float noiseOf(std::size_t entry) const;
+
     std::shared_ptr<const OctreeGeometry> geometry_;
     std::vector<std::shared_ptr<const VdlLayer>> layers_;
     VdlForm form_;

@@ -7,6 +7,7 @@
 #include "core/photonmap/density.h"
 #include "core/photonmap/photon_products.h"
 #include <atomic>
+#include <cmath>
 #include <fmt/format.h>
 
 namespace lightloom {
@@ -38,10 +39,12 @@ public:
         const Density density = estimateDensity(map_, area_, kernel_, entry.centroid, entry.normal, s.gathered);
         s.lights.clear();
         glm::dvec3 scalar(0.0);
+        double squares = 0.0;
         for (const std::uint32_t number : s.gathered.photons) {
             const Photon& photon = map_.photon(number);
             const glm::vec3 lux = photon.flux * static_cast<float>(density.perFlux);
             scalar += glm::dvec3(lux);
+            squares += static_cast<double>(luminance(lux)) * static_cast<double>(luminance(lux));
             // a photon's density already holds the cosine at its own surface (METHODS section 3): divide it out, except
             // in the form as printed
             const float cosine = glm::max(glm::dot(photon.normal, photon.toLight), kLeastCosine);
@@ -51,6 +54,7 @@ public:
         const auto count = static_cast<std::size_t>(layer_.count);
         fitVdls(s.lights, entry.normal, form_, std::span(layer_.vdls).subspan(e * count, count), s.clusters);
         layer_.scalar[e] = glm::vec3(scalar);
+        layer_.noise[e] = static_cast<float>(std::sqrt(squares)); // photons arrive independently, like rain
         return density.isDegenerate;
     }
 
@@ -120,6 +124,7 @@ private:
         layer->count = job_.params.vdlCount;
         layer->vdls.resize(geometry.entries.size() * static_cast<std::size_t>(layer->count));
         layer->scalar.resize(geometry.entries.size());
+        layer->noise.resize(geometry.entries.size());
         if (!fitAll(geometry, *photons_.maps[g], *layer)) return nullptr;
         products_.keep<VdlLayer>(key, layer, clock.stop());
         return layer;

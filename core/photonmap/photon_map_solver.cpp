@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/photonmap/photon_map_solver.h"
+#include "core/base/units.h"
 #include "core/photonmap/photon_products.h"
+#include <cmath>
 
 namespace lightloom {
 
@@ -9,10 +11,10 @@ PhotonMapField::PhotonMapField(std::shared_ptr<const SurfaceArea> area, std::vec
 {
 }
 
-bool PhotonMapField::lookup(glm::vec3 p, glm::vec3 n, glm::vec3& lux) const
+template<class Use>
+bool PhotonMapField::gatherAll(glm::vec3 p, glm::vec3 n, const Use& use) const
 {
     thread_local Gathered gathered;
-    glm::dvec3 sum(0.0);
     bool known = false;
     for (std::size_t g = 0; g < layers_.size(); ++g) {
         const Layer& layer = layers_[g];
@@ -20,12 +22,36 @@ bool PhotonMapField::lookup(glm::vec3 p, glm::vec3 n, glm::vec3& lux) const
         if (!layer.map || gain == glm::vec3(0.0f)) continue;
         const Density density = estimateDensity(*layer.map, *area_, layer.kernel, p, n, gathered);
         known = known || density.isAnswer;
-        glm::dvec3 flux(0.0);
-        for (const std::uint32_t i : gathered.photons) flux += glm::dvec3(layer.map->photon(i).flux);
-        sum += glm::dvec3(gain) * flux * density.perFlux;
+        use(glm::dvec3(gain), density, *layer.map, gathered);
     }
+    return known;
+}
+
+bool PhotonMapField::lookup(glm::vec3 p, glm::vec3 n, glm::vec3& lux) const
+{
+    glm::dvec3 sum(0.0);
+    const bool known =
+        gatherAll(p, n, [&](glm::dvec3 gain, const Density& density, const PhotonMap& map, const Gathered& gathered) {
+            glm::dvec3 flux(0.0);
+            for (const std::uint32_t i : gathered.photons) flux += glm::dvec3(map.photon(i).flux);
+            sum += gain * flux * density.perFlux;
+        });
     lux = glm::vec3(sum);
     return known;
+}
+
+std::optional<float> PhotonMapField::noise(glm::vec3 p, glm::vec3 n) const
+{
+    double variance = 0.0; // of a sum of independent photons: the sum of their squares
+    const bool known =
+        gatherAll(p, n, [&](glm::dvec3 gain, const Density& density, const PhotonMap& map, const Gathered& gathered) {
+            for (const std::uint32_t i : gathered.photons) {
+                const auto lux = static_cast<double>(luminance(glm::vec3(gain) * map.photon(i).flux)) * density.perFlux;
+                variance += lux * lux;
+            }
+        });
+    if (!known) return {};
+    return static_cast<float>(std::sqrt(variance));
 }
 
 std::shared_ptr<const IndirectField> PhotonMapField::withMix(Mix mix) const

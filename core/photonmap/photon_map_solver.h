@@ -14,12 +14,17 @@ public:
     };
     PhotonMapField(std::shared_ptr<const SurfaceArea> area, std::vector<Layer> layers, Mix mix);
     [[nodiscard]] bool lookup(glm::vec3 p, glm::vec3 n, glm::vec3& lux) const override;
+    [[nodiscard]] std::optional<float> noise(glm::vec3 p, glm::vec3 n) const override;
     [[nodiscard]] std::shared_ptr<const IndirectField> withMix(Mix mix) const override;
     [[nodiscard]] std::string_view method() const override { return "photon-map"; }
     [[nodiscard]] std::size_t memoryBytes() const override;
     [[nodiscard]] const std::vector<Layer>& layers() const { return layers_; }
 
 private:
+    /// Calls use(gain, density, photons' map, gathered) for each group that is on; false if none knows an answer.
+    template<class Use>
+    bool gatherAll(glm::vec3 p, glm::vec3 n, const Use& use) const;
+
     std::shared_ptr<const SurfaceArea> area_;
     std::vector<Layer> layers_;
     Mix mix_;
