@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // How far the caches are off the reference, and what they cost: the accuracy tables of docs/measurements.md.
 //   bench_accuracy [--probes N] [--paths N] [--set NAME=VALUE ...] [SCENE ...]
-// Probes are area-uniform over reached surface, seed 1; errors are of indirect luminance; noise is the reference's own.
+// Probes are area-uniform over reached surface, seed 1; errors are of indirect luminance; noise is the reference's own;
+// stated noise is what the bake says of itself, rank how its map goes with the true errors (Spearman).
+#include "core/base/statistics.h"
 #include "core/base/units.h"
+#include "core/compare/field_noise.h"
 #include "core/compare/image_error.h"
 #include "core/compare/probes.h"
 #include "core/octree/octree_solver.h"
@@ -40,16 +43,23 @@ struct Judge {
     void row(std::string_view scene, const IndirectField& field, int level, double cpu) const
     {
         std::vector<double> values;
-        for (const ProbePoint& p : points)
+        std::vector<double> stated, errors;
+        std::vector<SurfacePoint> surface;
+        for (const ProbePoint& p : points) {
             values.push_back(static_cast<double>(luminance(field.irradiance(p.position, p.normal))));
+            stated.push_back(static_cast<double>(field.noise(p.position, p.normal).value_or(0.0f)));
+            errors.push_back(std::abs(values.back() - reference[errors.size()]));
+            surface.push_back({p.position, p.normal, 0});
+        }
         const Result<ErrorMetrics> e = measureError(values, reference);
         if (!e) {
             fmt::print("{}: {}\n", scene, e.error().message);
             return;
         }
-        fmt::print("| {} | {}{} | {:.2f} | {:.4f} | {:+.4f} | {:.3f} | {:.4f} |\n", scene, field.method(),
-                   level > 0 ? fmt::format(" d{}", level) : "", cpu, e->relRmse, e->bias, e->perPoint,
-                   relativeNoise(noise, e->meanReference));
+        fmt::print("| {} | {}{} | {:.2f} | {:.4f} | {:+.4f} | {:.3f} | {:.4f} | {:.4f} | {:.2f} |\n", scene,
+                   field.method(), level > 0 ? fmt::format(" d{}", level) : "", cpu, e->relRmse, e->bias, e->perPoint,
+                   relativeNoise(noise, e->meanReference), statedNoise(field, surface).value_or(0.0),
+                   rankCorrelation(stated, errors));
         std::fflush(stdout);
     }
 };
@@ -120,7 +130,8 @@ int main(int argc, char** argv)
         }
     }
     if (settings.scenes.empty()) settings.scenes = {"cornell", "two_rooms", "figure", "atrium", "gallery"};
-    fmt::print("| scene | method | CPU s | relRMSE | bias | per point | noise |\n|---|---|---|---|---|---|---|\n");
+    fmt::print("| scene | method | CPU s | relRMSE | bias | per point | noise | stated noise | rank "
+               "|\n|---|---|---|---|---|---|---|---|---|\n");
     for (const std::string& name : settings.scenes) measure(name, settings);
     return 0;
 }

@@ -20,6 +20,17 @@ using namespace lightloom;
 class BaseTest : public QObject {
     Q_OBJECT
 private Q_SLOTS:
+    void rankCorrelationKnowsOrder()
+    {
+        const std::vector<double> rising{1.0, 2.0, 30.0, 400.0, 5000.0}, falling{5.0, 4.0, 3.0, 2.0, 1.0},
+            ties{1.0, 2.0, 2.0, 3.0, 4.0}, constant(5, 7.0), mixed{3.0, 1.0, 2.0, 5.0, 4.0};
+        QCOMPARE(rankCorrelation(rising, rising), 1.0);
+        QCOMPARE(rankCorrelation(rising, falling), -1.0);
+        QVERIFY(std::abs(rankCorrelation(rising, ties) - std::sqrt(0.95)) <= 1e-12); // 9.5 / sqrt(10 * 9.5)
+        QVERIFY(std::abs(rankCorrelation(rising, mixed) - 0.6) <= 1e-12);            // 1 - 6 * 8 / (5 * 24)
+        QCOMPARE(rankCorrelation(rising, constant), 0.0);
+    }
+
     void workersRunEachBlockOnce_data()
     {
         QTest::addColumn<int>("threads");

@@ -15,7 +15,7 @@ using namespace lightloom::test;
 
 namespace {
 
-constexpr int kSeeds = 48, kPoints = 200;
+constexpr int kSeeds = 32, kPoints = 150;
 
 std::vector<SurfacePoint> pointsOf(const std::shared_ptr<const Scene>& scene)
 {

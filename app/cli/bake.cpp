@@ -2,6 +2,7 @@
 #include "app/cli/methods.h"
 #include "core/bake/bake_file.h"
 #include "core/base/atomic_file.h"
+#include "core/compare/field_noise.h"
 #include "core/octree/light_octree.h"
 #include <filesystem>
 #include <fmt/format.h>
@@ -22,10 +23,19 @@ BakeInfo describe(const Lighting& lighting)
     return info;
 }
 
+constexpr std::uint64_t kNoisePoints = 1000;
+
+std::optional<double> noiseOf(const Lighting& lighting)
+{
+    const LitScene& lit = lighting.lit;
+    return statedNoise(*lighting.field, samplePoints(*lit.rays, *lit.lights, *lit.reach, kNoisePoints, 1));
+}
+
 nlohmann::json vec(glm::dvec3 v) { return {v.x, v.y, v.z}; }
 
 /// Everything a program may want to know; timings and host are here and not in the file.
-nlohmann::json report(const Lighting& lighting, const BakeInfo& info, std::uint64_t fileBytes, int threads)
+nlohmann::json report(const Lighting& lighting, const BakeInfo& info, std::optional<double> noise,
+                      std::uint64_t fileBytes, int threads)
 {
     const WorkCounters& c = lighting.counters;
     nlohmann::json stages = nlohmann::json::object(), stagesCpu = nlohmann::json::object();
@@ -42,6 +52,7 @@ nlohmann::json report(const Lighting& lighting, const BakeInfo& info, std::uint6
             {"cpu_seconds", allCpuSeconds(c.stages)},
             {"stages_ms", stages},
             {"stages_cpu_ms", stagesCpu},
+            {"noise", noise ? nlohmann::json(*noise) : nlohmann::json(nullptr)},
             {"memory_bytes", lighting.field->memoryBytes()},
             {"file_bytes", fileBytes},
             {"work",
@@ -65,7 +76,7 @@ nlohmann::json report(const Lighting& lighting, const BakeInfo& info, std::uint6
               {"missing", vec(c.ledger.missing())}}}};
 }
 
-void print(const Lighting& lighting, const std::string& output, std::uint64_t fileBytes)
+void print(const Lighting& lighting, std::optional<double> noise, const std::string& output, std::uint64_t fileBytes)
 {
     const WorkCounters& c = lighting.counters;
     fmt::print("{}: {:.2f} s, {:.2f} CPU-s, {} photons shot, {} stored", methodName(lighting.method),
@@ -79,6 +90,7 @@ void print(const Lighting& lighting, const std::string& output, std::uint64_t fi
         fmt::print("  light: {:.1f} % absorbed, {:.1f} % escaped, {:.2g} % cut off\n", share(c.ledger.absorbed),
                    share(c.ledger.escaped), share(c.ledger.terminated));
     }
+    if (noise) fmt::print("  noise: {:.1f} % of the mean, estimated from the photons themselves\n", 100.0 * *noise);
     fmt::print("{}: {:.1f} MiB\n", output, static_cast<double>(fileBytes) / (1 << 20));
 }
 
@@ -100,11 +112,12 @@ int bake(const Context& context, const BakeCommand& command)
     const Result<std::vector<std::uint8_t>> bytes = bakeBytes(*lighting->field, info, *lighting->lit.scene);
     if (!bytes) return fail(bytes.error());
     if (const Result<Done> wrote = writeFile(command.output, *bytes); !wrote) return failWriting(wrote.error());
+    const std::optional<double> noise = context.quiet && !context.json ? std::nullopt : noiseOf(*lighting);
     if (context.json) {
-        fmt::print("{}\n", report(*lighting, info, bytes->size(), context.workers->threadCount())
+        fmt::print("{}\n", report(*lighting, info, noise, bytes->size(), context.workers->threadCount())
                                .dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
     } else if (!context.quiet) {
-        print(*lighting, command.output, bytes->size());
+        print(*lighting, noise, command.output, bytes->size());
     }
     return kDone;
 }

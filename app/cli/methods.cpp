@@ -36,9 +36,9 @@ Result<Done> bakeNow(const Context& context, const LightingRequest& request, dou
     lighting.bakeSeconds = control.elapsedMs() / 1000.0;
     const Result<SceneProducts> kept = sceneProducts(job, products, control); // finds what the solver left
     if (!kept) return kept.error();
-    lighting.lit = {*scene, kept->rays, kept->lights};
+    lighting.lit = {*scene, kept->rays, kept->lights, kept->reach};
     lighting.counters = products.counters;
-    log(context.log, LogLevel::info,
+    log(context.log, LogLevel::debug,
         fmt::format("{} baked in {:.2f} s, {:.1f} MiB", methodName(lighting.method), lighting.bakeSeconds,
                     static_cast<double>(lighting.field->memoryBytes()) / (1 << 20)));
     return Done{};
@@ -106,7 +106,7 @@ Result<LitScene> readLitScene(const Context& context, const std::string& path, I
     if (!scene) return scene.error();
     Result<std::shared_ptr<const RayScene>> rays = RayScene::build(*scene, isa, context.stop);
     if (!rays) return rays.error();
-    return LitScene{*scene, *rays, std::make_shared<LightSampler>(*rays)};
+    return LitScene{*scene, *rays, std::make_shared<LightSampler>(*rays), nullptr};
 }
 
 Result<Done> checkRequest(const LightingRequest& request)

@@ -12,6 +12,7 @@ struct LitScene {
     std::shared_ptr<const Scene> scene;
     std::shared_ptr<const RayScene> rays;
     std::shared_ptr<const LightSampler> lights;
+    std::shared_ptr<const LightReach> reach; ///< null unless a bake was run
 };
 [[nodiscard]] Result<LitScene> readLitScene(const Context& context, const std::string& path, Isa isa);
 

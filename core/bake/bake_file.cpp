@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/bake/bake_file.h"
-#include "core/bake/vdb_grids.h"
+#include "core/bake/bake_grids.h"
 #include "core/bake/vdb_seal.h"
 #include "core/base/atomic_file.h"
 #include "core/params/param_text.h"
 #include <algorithm>
 #include <fmt/format.h>
-#include <openvdb/io/Stream.h>
 #include <sstream>
 
 namespace lightloom {
 namespace {
-
-using vdb::escaped;
 
 constexpr std::uint64_t kMostBytes = 64ull << 30;
 
@@ -39,48 +36,43 @@ std::string joined(const std::vector<std::string>& ids)
     return text;
 }
 
-openvdb::MetaMap metadata(const BakeInfo& info)
+void describe(const BakeInfo& info, VdbFile& file)
 {
-    openvdb::MetaMap meta;
-    meta.insertMeta("lightloom.format", openvdb::Int32Metadata(kBakeFormat));
-    meta.insertMeta("lightloom.method", openvdb::StringMetadata(std::string(methodName(info.method))));
-    meta.insertMeta("lightloom.program", openvdb::StringMetadata(info.program));
-    meta.insertMeta("lightloom.parameters", openvdb::StringMetadata(parameterText(info.params)));
-    meta.insertMeta("lightloom.isa", openvdb::StringMetadata(info.isa));
-    meta.insertMeta("lightloom.scene", openvdb::StringMetadata(toHex(info.sceneHash)));
-    meta.insertMeta("lightloom.groups", openvdb::StringMetadata(joined(info.groups)));
-    meta.insertMeta("lightloom.off", openvdb::StringMetadata(joined(info.off)));
-    return meta;
+    file.set("lightloom.format", std::int64_t(kBakeFormat));
+    file.set("lightloom.method", std::string(methodName(info.method)));
+    file.set("lightloom.program", info.program);
+    file.set("lightloom.parameters", parameterText(info.params));
+    file.set("lightloom.isa", info.isa);
+    file.set("lightloom.scene", toHex(info.sceneHash));
+    file.set("lightloom.groups", joined(info.groups));
+    file.set("lightloom.off", joined(info.off));
 }
 
 /// What must hold before grids are looked at.
-Result<BakeInfo> checkInfo(const openvdb::MetaMap& meta, const Scene& scene)
+Result<BakeInfo> checkInfo(const VdbFile& file, const Scene& scene)
 {
     const auto bad = [](std::string why) { return Error{Error::Kind::badInput, std::move(why)}; };
-    const int format = meta.metaValue<std::int32_t>("lightloom.format");
+    const std::int64_t format = file.integer("lightloom.format");
     if (format > kBakeFormat) {
         return bad(fmt::format("the bake has format {}, this program reads up to {}; use a newer Lightloom", format,
                                kBakeFormat));
     }
-    if (format < kBakeFormat) {
-        return bad(fmt::format("the bake has format {}, from before the first release; bake again", format));
-    }
     BakeInfo info;
-    const Result<Method> method = methodNamed(meta.metaValue<std::string>("lightloom.method"));
+    const Result<Method> method = methodNamed(file.text("lightloom.method"));
     if (!method) return method.error();
     info.method = *method;
-    for (const std::string& line : lines(meta.metaValue<std::string>("lightloom.parameters"))) {
+    for (const std::string& line : lines(file.text("lightloom.parameters"))) {
         Result<BakeParams> params = withAssignment(info.params, line);
         if (!params) return params.error();
         info.params = *params;
     }
-    info.isa = meta.metaValue<std::string>("lightloom.isa");
-    info.program = meta.metaValue<std::string>("lightloom.program");
+    info.isa = file.text("lightloom.isa");
+    info.program = file.text("lightloom.program");
     info.sceneHash = sceneHash(scene);
-    if (toHex(info.sceneHash) != meta.metaValue<std::string>("lightloom.scene")) {
+    if (toHex(info.sceneHash) != file.text("lightloom.scene")) {
         return bad("the bake was made for another scene (or the scene has changed since); bake again");
     }
-    const std::vector<std::string> off = lines(meta.metaValue<std::string>("lightloom.off"));
+    const std::vector<std::string> off = lines(file.text("lightloom.off"));
     for (const LightGroup& group : scene.groups) {
         info.groups.push_back(group.id);
         if (std::ranges::find(off, escaped(group.id)) != off.end()) info.off.push_back(group.id);
@@ -90,22 +82,31 @@ Result<BakeInfo> checkInfo(const openvdb::MetaMap& meta, const Scene& scene)
 
 } // namespace
 
+std::string escaped(const std::string& id)
+{
+    std::string out;
+    for (const char c : id) {
+        if (c == '/' || c == '%' || static_cast<unsigned char>(c) < 32) {
+            out += fmt::format("%{:02X}", static_cast<unsigned char>(c));
+        } else {
+            out += c;
+        }
+    }
+    return out;
+}
+
 Result<std::vector<std::uint8_t>> bakeBytes(const IndirectField& field, const BakeInfo& info, const Scene& scene)
 try {
-    openvdb::initialize();
-    std::ostringstream stream(std::ios_base::binary);
-    stream.exceptions(std::ios_base::failbit | std::ios_base::badbit);
-    openvdb::MetaMap meta = metadata(info);
-    openvdb::GridPtrVec grids;
+    VdbFile file;
+    describe(info, file);
     if (const auto* octree = dynamic_cast<const LightOctree*>(&field)) {
-        grids = vdb::octreeGrids(*octree, scene, meta);
+        storeOctree(*octree, scene, file);
     } else if (const auto* map = dynamic_cast<const PhotonMapField*>(&field)) {
-        grids = vdb::photonGrids(*map, scene);
+        storePhotons(*map, scene, file);
     } else {
         return Error{Error::Kind::unsupported, fmt::format("{} keeps nothing that a file could hold", field.method())};
     }
-    openvdb::io::Stream(stream).write(grids, meta);
-    return sealVdb(std::move(stream).str());
+    return sealVdb(file.bytes());
 } catch (const std::exception& failure) {
     return Error{Error::Kind::io, fmt::format("the bake could not be put into a file: {}", failure.what())};
 }
@@ -118,28 +119,24 @@ Result<Done> writeBake(const std::filesystem::path& path, const IndirectField& f
     return writeFile(path, *bytes);
 }
 
-Result<BakeFile> bakeFromBytes(std::span<const std::uint8_t> file, const Scene& scene)
+Result<BakeFile> bakeFromBytes(std::span<const std::uint8_t> bytes, const Scene& scene)
 try {
-    const Result<std::span<const std::uint8_t>> content = openSeal(file);
+    const Result<std::span<const std::uint8_t>> content = openSeal(bytes);
     if (!content) return content.error();
-    openvdb::initialize();
-    std::istringstream stream(std::string(content->begin(), content->end()), std::ios_base::binary);
-    openvdb::io::Stream stored(stream, false);
-    const openvdb::MetaMap::ConstPtr meta = stored.getMetadata(); // a copy, made anew at each call: kept for the reader
-    const Result<BakeInfo> info = checkInfo(*meta, scene);
+    const VdbFile file(std::string(content->begin(), content->end()));
+    const Result<BakeInfo> info = checkInfo(file, scene);
     if (!info) return info.error();
-    const vdb::NamedGrids grids(*stored.getGrids());
     std::vector<bool> isOn;
     for (const LightGroup& group : scene.groups) {
         isOn.push_back(std::ranges::find(info->off, group.id) == info->off.end());
     }
     BakeFile bake{*info, nullptr, {}};
     if (info->method == Method::lightOctree) {
-        bake.octree = vdb::readOctree(grids, *meta, scene, isOn, info->params.vdlForm);
+        bake.octree = readOctree(file, scene, isOn, info->params.vdlForm);
         return bake;
     }
     for (std::size_t g = 0; g < isOn.size(); ++g) {
-        bake.photons.push_back(isOn[g] ? vdb::readPhotons(grids, scene, static_cast<int>(g)) : nullptr);
+        bake.photons.push_back(isOn[g] ? readPhotons(file, scene, static_cast<int>(g)) : nullptr);
     }
     return bake;
 } catch (const std::exception& failure) {

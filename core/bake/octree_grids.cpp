@@ -1,235 +1,206 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/bake/vdb_grids.h"
+#include "core/bake/bake_grids.h"
 #include "core/trace/cell_clip.h"
 #include <algorithm>
 #include <fmt/format.h>
 
-namespace lightloom::vdb {
+namespace lightloom {
 namespace {
 
-openvdb::Coord coordOf(std::uint64_t cell)
+std::string prefixOf(int depth) { return fmt::format("light-octree/d{}/", depth); }
+std::string normalName(std::uint32_t e) { return fmt::format("geometry/normal/{}", e); }
+std::string centroidName(std::uint32_t e) { return fmt::format("geometry/centroid/{}", e); }
+std::string areaName(std::uint32_t e) { return fmt::format("geometry/area/{}", e); }
+std::string scalarName(const std::string& group, std::uint32_t e) { return fmt::format("{}/scalar/{}", group, e); }
+std::string noiseName(const std::string& group, std::uint32_t e) { return fmt::format("{}/noise/{}", group, e); }
+std::string vdlName(const std::string& group, const char* quantity, std::uint32_t e, std::size_t slot)
 {
-    const glm::uvec3 c = mortonCell(cell);
-    return {static_cast<int>(c.x), static_cast<int>(c.y), static_cast<int>(c.z)};
+    return fmt::format("{}/{}/{}/{}", group, quantity, e, slot);
+}
+
+/// Leaves that have an entry number `e`, and where these entries stand among all: one grid's voxels.
+struct Slot {
+    std::vector<glm::ivec3> cells;
+    std::vector<std::uint32_t> entries;
+};
+
+std::vector<Slot> slotsOf(const OctreeGeometry& geometry)
+{
+    std::vector<Slot> slots;
+    for (std::size_t i = 0; i < geometry.cells.size(); ++i) {
+        const std::uint32_t first = geometry.firstEntry[i], count = geometry.firstEntry[i + 1] - first;
+        if (slots.size() < count) slots.resize(count);
+        for (std::uint32_t e = 0; e < count; ++e) {
+            slots[e].cells.emplace_back(mortonCell(geometry.cells[i]));
+            slots[e].entries.push_back(first + e);
+        }
+    }
+    return slots;
 }
 
 class Writer {
 public:
-    Writer(const LightOctree& octree, const Scene& scene) : octree_(octree), geometry_(octree.geometry())
+    Writer(const OctreeGeometry& geometry, const Scene& scene, VdbFile& file)
+        : geometry_(geometry), file_(file), lattice_{scene.toFile(geometry.lowest), double(geometry.cellSize())},
+          slots_(slotsOf(geometry))
     {
-        const double h = static_cast<double>(geometry_.cellSize());
-        const glm::dvec3 corner = scene.toFile(geometry_.lowest) + glm::dvec3(0.5 * h); // OpenVDB's voxels are centred
-        transform_ = openvdb::math::Transform::createLinearTransform(h);
-        transform_->postTranslate({corner.x, corner.y, corner.z});
-        prefix_ = fmt::format("light-octree/d{}/", geometry_.depth);
-        for (std::size_t i = 0; i < geometry_.cells.size(); ++i) {
-            mostEntries_ = std::max(mostEntries_, geometry_.firstEntry[i + 1] - geometry_.firstEntry[i]);
+    }
+
+    void geometry()
+    {
+        for (std::uint32_t e = 0; e < slots_.size(); ++e) {
+            grid(normalName(e), e, [&](std::uint32_t n) { return geometry_.entries[n].normal; });
+            grid(centroidName(e), e, [&](std::uint32_t n) { return geometry_.entries[n].centroid; });
+            grid(areaName(e), e, [&](std::uint32_t n) { return geometry_.entries[n].area; });
         }
     }
 
-    openvdb::GridPtrVec grids(const Scene& scene)
+    void layer(const VdlLayer& layer, const std::string& group)
     {
-        for (std::uint32_t e = 0; e < mostEntries_; ++e) {
-            vectors(fmt::format("geometry/normal/{}", e), e,
-                    [&](std::uint32_t n) { return geometry_.entries[n].normal; });
-            vectors(fmt::format("geometry/centroid/{}", e), e,
-                    [&](std::uint32_t n) { return geometry_.entries[n].centroid; });
-            scalars(fmt::format("geometry/area/{}", e), e, [&](std::uint32_t n) { return geometry_.entries[n].area; });
+        const auto count = static_cast<std::size_t>(layer.count);
+        for (std::uint32_t e = 0; e < slots_.size(); ++e) {
+            grid(scalarName(group, e), e, [&](std::uint32_t n) { return layer.scalar[n]; });
+            grid(noiseName(group, e), e, [&](std::uint32_t n) { return layer.noise[n]; });
+            for (std::size_t j = 0; j < count; ++j) {
+                const auto vdl = [&, j](std::uint32_t n) -> const Vdl& { return layer.vdls[n * count + j]; };
+                grid(vdlName(group, "colour", e, j), e, [&](std::uint32_t n) { return vdl(n).colour; });
+                grid(vdlName(group, "direction", e, j), e, [&](std::uint32_t n) { return vdl(n).toLight; });
+            }
         }
-        for (const auto& layer : octree_.layers()) {
-            if (layer) add(*layer, escaped(scene.groups[static_cast<std::size_t>(layer->group)].id));
-        }
-        return std::move(grids_);
     }
 
 private:
-    void add(const VdlLayer& layer, const std::string& group)
+    template<class ValueOf>
+    void grid(const std::string& name, std::uint32_t e, const ValueOf& valueOf)
     {
-        const auto count = static_cast<std::size_t>(layer.count);
-        for (std::uint32_t e = 0; e < mostEntries_; ++e) {
-            vectors(fmt::format("{}/scalar/{}", group, e), e, [&](std::uint32_t n) { return layer.scalar[n]; });
-            scalars(fmt::format("{}/noise/{}", group, e), e, [&](std::uint32_t n) { return layer.noise[n]; });
-            for (std::size_t j = 0; j < count; ++j) {
-                const auto vdl = [&, j](std::uint32_t n) -> const Vdl& { return layer.vdls[n * count + j]; };
-                vectors(fmt::format("{}/colour/{}/{}", group, e, j), e, [&](std::uint32_t n) { return vdl(n).colour; });
-                vectors(fmt::format("{}/direction/{}/{}", group, e, j), e,
-                        [&](std::uint32_t n) { return vdl(n).toLight; });
-            }
-        }
+        std::vector<decltype(valueOf(0))> values;
+        for (const std::uint32_t entry : slots_[e].entries) values.push_back(valueOf(entry));
+        file_.add(prefixOf(geometry_.depth) + name, lattice_, slots_[e].cells, std::span(std::as_const(values)));
     }
 
-    template<class Value>
-    void vectors(const std::string& name, std::uint32_t slot, Value value)
-    {
-        fill<Vec3Grid>(name, slot, [&](std::uint32_t n) { return toVdb(value(n)); });
-    }
-    template<class Value>
-    void scalars(const std::string& name, std::uint32_t slot, Value value)
-    {
-        fill<FloatGrid>(name, slot, value);
-    }
-
-    template<class Grid, class Value>
-    void fill(const std::string& name, std::uint32_t slot, Value value)
-    {
-        const auto grid = Grid::create();
-        grid->setName(prefix_ + name);
-        grid->setTransform(transform_->copy());
-        auto access = grid->getAccessor();
-        for (std::size_t i = 0; i < geometry_.cells.size(); ++i) {
-            const std::uint32_t entry = geometry_.firstEntry[i] + slot;
-            if (entry < geometry_.firstEntry[i + 1]) access.setValueOn(coordOf(geometry_.cells[i]), value(entry));
-        }
-        grids_.push_back(grid);
-    }
-
-    const LightOctree& octree_;
     const OctreeGeometry& geometry_;
-    openvdb::math::Transform::Ptr transform_;
-    std::string prefix_;
-    std::uint32_t mostEntries_ = 0;
-    openvdb::GridPtrVec grids_;
+    VdbFile& file_;
+    VdbFile::Lattice lattice_;
+    std::vector<Slot> slots_;
 };
 
-void describe(const LightOctree& octree, openvdb::MetaMap& meta)
-{
-    const OctreeGeometry& geometry = octree.geometry();
-    int vdls = 1;
-    for (const auto& layer : octree.layers()) vdls = layer ? layer->count : vdls;
-    meta.insertMeta("lightloom.depth", openvdb::Int32Metadata(geometry.depth));
-    meta.insertMeta("lightloom.vdls", openvdb::Int32Metadata(vdls));
-    meta.insertMeta("lightloom.lowest", openvdb::Vec3SMetadata(toVdb(geometry.lowest)));
-    meta.insertMeta("lightloom.root_size", openvdb::FloatMetadata(geometry.rootSize));
-}
-
-/// The values of grids at the cells in order.
 class Reader {
 public:
-    Reader(const NamedGrids& grids, const openvdb::MetaMap& meta) : grids_(grids), meta_(meta) {}
-
-    std::shared_ptr<OctreeGeometry> geometry()
+    explicit Reader(const VdbFile& file) : file_(file), geometry_(std::make_shared<OctreeGeometry>())
     {
-        auto geometry = std::make_shared<OctreeGeometry>();
-        geometry->depth = meta_.metaValue<std::int32_t>("lightloom.depth");
-        geometry->lowest = fromVdb(meta_.metaValue<openvdb::Vec3s>("lightloom.lowest"));
-        geometry->rootSize = meta_.metaValue<float>("lightloom.root_size");
-        prefix_ = fmt::format("light-octree/d{}/", geometry->depth);
-        while (grids_.contains(prefix_ + fmt::format("geometry/normal/{}", mostEntries_))) ++mostEntries_;
-        if (mostEntries_ > 0) {
-            const auto grid = get<Vec3Grid>("geometry/normal/0");
-            for (auto value = grid->cbeginValueOn(); value; ++value) {
-                const openvdb::Coord c = value.getCoord();
-                geometry->cells.push_back(mortonCode(glm::uvec3(c.x(), c.y(), c.z())));
-            }
-            std::ranges::sort(geometry->cells);
-        }
-        entries(*geometry);
-        return geometry;
+        geometry_->depth = static_cast<int>(file.integer("lightloom.depth"));
+        geometry_->lowest = file.vector("lightloom.lowest");
+        geometry_->rootSize = file.number("lightloom.root_size");
+        prefix_ = prefixOf(geometry_->depth);
+        cells();
+        entries();
     }
 
-    std::shared_ptr<VdlLayer> layer(const OctreeGeometry& geometry, const std::string& group, int number)
+    [[nodiscard]] std::shared_ptr<const OctreeGeometry> geometry() const { return geometry_; }
+
+    [[nodiscard]] std::shared_ptr<VdlLayer> layer(const std::string& group, int number) const
     {
         auto layer = std::make_shared<VdlLayer>();
         layer->group = number;
-        layer->count = meta_.metaValue<std::int32_t>("lightloom.vdls");
+        layer->count = static_cast<int>(file_.integer("lightloom.vdls"));
         const auto count = static_cast<std::size_t>(layer->count);
-        layer->scalar.resize(geometry.entries.size());
-        layer->noise.resize(geometry.entries.size());
-        layer->vdls.resize(geometry.entries.size() * count);
-        for (std::uint32_t e = 0; e < mostEntries_; ++e) {
-            each<Vec3Grid>(geometry, fmt::format("{}/scalar/{}", group, e), e,
-                           [&](std::size_t n, const openvdb::Vec3s& v) { layer->scalar[n] = fromVdb(v); });
-            each<FloatGrid>(geometry, fmt::format("{}/noise/{}", group, e), e,
-                            [&](std::size_t n, float v) { layer->noise[n] = v; });
+        layer->scalar.resize(geometry_->entries.size());
+        layer->noise.resize(geometry_->entries.size());
+        layer->vdls.resize(geometry_->entries.size() * count);
+        for (std::uint32_t e = 0; e < slots_.size(); ++e) {
+            vectors(scalarName(group, e), e, [&](std::size_t n, glm::vec3 v) { layer->scalar[n] = v; });
+            numbers(noiseName(group, e), e, [&](std::size_t n, float v) { layer->noise[n] = v; });
             for (std::size_t j = 0; j < count; ++j) {
-                each<Vec3Grid>(
-                    geometry, fmt::format("{}/colour/{}/{}", group, e, j), e,
-                    [&](std::size_t n, const openvdb::Vec3s& v) { layer->vdls[n * count + j].colour = fromVdb(v); });
-                each<Vec3Grid>(
-                    geometry, fmt::format("{}/direction/{}/{}", group, e, j), e,
-                    [&](std::size_t n, const openvdb::Vec3s& v) { layer->vdls[n * count + j].toLight = fromVdb(v); });
+                const auto vdl = [&, j](std::size_t n) -> Vdl& { return layer->vdls[n * count + j]; };
+                vectors(vdlName(group, "colour", e, j), e, [&](std::size_t n, glm::vec3 v) { vdl(n).colour = v; });
+                vectors(vdlName(group, "direction", e, j), e, [&](std::size_t n, glm::vec3 v) { vdl(n).toLight = v; });
             }
         }
         return layer;
     }
 
 private:
-    template<class Grid>
-    typename Grid::ConstPtr get(const std::string& name) const
+    void cells()
     {
-        return grids_.get<Grid>(prefix_ + name);
+        if (!file_.contains(prefix_ + normalName(0))) return; // a scene without any reached surface
+        for (const glm::ivec3 cell : file_.cells(prefix_ + normalName(0))) {
+            geometry_->cells.push_back(mortonCode(glm::uvec3(cell)));
+        }
+        std::ranges::sort(geometry_->cells);
     }
 
-    void entries(OctreeGeometry& geometry)
+    void entries()
     {
-        std::vector<typename Vec3Grid::ConstPtr> normals;
-        for (std::uint32_t e = 0; e < mostEntries_; ++e)
-            normals.push_back(get<Vec3Grid>(fmt::format("geometry/normal/{}", e)));
-        for (const std::uint64_t cell : geometry.cells) {
-            geometry.firstEntry.push_back(static_cast<std::uint32_t>(geometry.entries.size()));
-            for (const auto& grid : normals) {
-                if (!grid->tree().isValueOn(coordOf(cell))) break;
-                geometry.entries.push_back({glm::vec3(0.0f), fromVdb(grid->tree().getValue(coordOf(cell))), 0.0f});
+        OctreeGeometry& g = *geometry_;
+        std::vector<std::uint32_t> counts(g.cells.size(), 0); // entries of each leaf
+        for (std::uint32_t e = 0; file_.contains(prefix_ + normalName(e)); ++e) {
+            for (const glm::ivec3 cell : file_.cells(prefix_ + normalName(e))) {
+                const std::int64_t leaf = g.leafAt(cell);
+                if (leaf < 0 || counts[static_cast<std::size_t>(leaf)]++ != e) {
+                    throw std::runtime_error("an entry without a leaf of its own");
+                }
             }
         }
-        geometry.firstEntry.push_back(static_cast<std::uint32_t>(geometry.entries.size()));
-        for (std::uint32_t e = 0; e < mostEntries_; ++e) {
-            each<Vec3Grid>(geometry, fmt::format("geometry/centroid/{}", e), e,
-                           [&](std::size_t n, const openvdb::Vec3s& v) { geometry.entries[n].centroid = fromVdb(v); });
-            each<FloatGrid>(geometry, fmt::format("geometry/area/{}", e), e,
-                            [&](std::size_t n, float v) { geometry.entries[n].area = v; });
+        g.firstEntry.push_back(0);
+        for (const std::uint32_t count : counts) g.firstEntry.push_back(g.firstEntry.back() + count);
+        g.entries.resize(g.firstEntry.back());
+        slots_ = slotsOf(g);
+        for (std::uint32_t e = 0; e < slots_.size(); ++e) {
+            vectors(normalName(e), e, [&](std::size_t n, glm::vec3 v) { g.entries[n].normal = v; });
+            vectors(centroidName(e), e, [&](std::size_t n, glm::vec3 v) { g.entries[n].centroid = v; });
+            numbers(areaName(e), e, [&](std::size_t n, float v) { g.entries[n].area = v; });
         }
     }
 
-    template<class Grid, class Use>
-    void each(const OctreeGeometry& geometry, const std::string& name, std::uint32_t slot, Use use) const
+    template<class Use>
+    void vectors(const std::string& name, std::uint32_t e, const Use& use) const
     {
-        const auto grid = get<Grid>(name);
-        const auto access = grid->getConstAccessor();
-        for (std::size_t i = 0; i < geometry.cells.size(); ++i) {
-            const std::uint32_t entry = geometry.firstEntry[i] + slot;
-            if (entry < geometry.firstEntry[i + 1]) use(entry, access.getValue(coordOf(geometry.cells[i])));
-        }
+        each(file_.vectors(prefix_ + name, slots_[e].cells), e, use);
+    }
+    template<class Use>
+    void numbers(const std::string& name, std::uint32_t e, const Use& use) const
+    {
+        each(file_.numbers(prefix_ + name, slots_[e].cells), e, use);
+    }
+    template<class Values, class Use>
+    void each(const Values& values, std::uint32_t e, const Use& use) const
+    {
+        for (std::size_t i = 0; i < values.size(); ++i) use(slots_[e].entries[i], values[i]);
     }
 
-    const NamedGrids& grids_;
-    const openvdb::MetaMap& meta_;
+    const VdbFile& file_;
     std::string prefix_;
-    std::uint32_t mostEntries_ = 0;
+    std::shared_ptr<OctreeGeometry> geometry_;
+    std::vector<Slot> slots_;
 };
 
 } // namespace
 
-std::string escaped(const std::string& id)
+void storeOctree(const LightOctree& octree, const Scene& scene, VdbFile& file)
 {
-    std::string out;
-    for (const char c : id) {
-        if (c == '/' || c == '%' || static_cast<unsigned char>(c) < 32) {
-            out += fmt::format("%{:02X}", static_cast<unsigned char>(c));
-        } else {
-            out += c;
-        }
+    const OctreeGeometry& geometry = octree.geometry();
+    int vdls = 1;
+    for (const auto& layer : octree.layers()) vdls = layer ? layer->count : vdls;
+    file.set("lightloom.depth", std::int64_t(geometry.depth));
+    file.set("lightloom.vdls", std::int64_t(vdls));
+    file.set("lightloom.lowest", geometry.lowest);
+    file.set("lightloom.root_size", geometry.rootSize);
+    Writer writer(geometry, scene, file);
+    writer.geometry();
+    for (const auto& layer : octree.layers()) {
+        if (layer) writer.layer(*layer, escaped(scene.groups[static_cast<std::size_t>(layer->group)].id));
     }
-    return out;
 }
 
-openvdb::GridPtrVec octreeGrids(const LightOctree& octree, const Scene& scene, openvdb::MetaMap& meta)
+std::shared_ptr<const LightOctree> readOctree(const VdbFile& file, const Scene& scene, const std::vector<bool>& isOn,
+                                              VdlForm form)
 {
-    describe(octree, meta);
-    return Writer(octree, scene).grids(scene);
-}
-
-std::shared_ptr<const LightOctree> readOctree(const NamedGrids& grids, const openvdb::MetaMap& meta, const Scene& scene,
-                                              const std::vector<bool>& isOn, VdlForm form)
-{
-    Reader reader(grids, meta);
-    const std::shared_ptr<const OctreeGeometry> geometry = reader.geometry();
+    const Reader reader(file);
     std::vector<std::shared_ptr<const VdlLayer>> layers;
     for (std::size_t g = 0; g < isOn.size(); ++g) {
-        const std::string id = escaped(scene.groups[g].id);
-        layers.push_back(isOn[g] ? reader.layer(*geometry, id, static_cast<int>(g)) : nullptr);
+        layers.push_back(isOn[g] ? reader.layer(escaped(scene.groups[g].id), static_cast<int>(g)) : nullptr);
     }
-    return std::make_shared<LightOctree>(geometry, std::move(layers), form, Mix{});
+    return std::make_shared<LightOctree>(reader.geometry(), std::move(layers), form, Mix{});
 }
 
-} // namespace lightloom::vdb
+} // namespace lightloom

@@ -1,66 +1,68 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/bake/vdb_grids.h"
+#include "core/bake/bake_grids.h"
 #include <array>
 #include <fmt/format.h>
 
-namespace lightloom::vdb {
+namespace lightloom {
 namespace {
 
-struct PhotonQuantity {
+struct Quantity {
     const char* name;
     glm::vec3 Photon::*field;
 };
-constexpr std::array kPhotonQuantities{
-    PhotonQuantity{"position", &Photon::position}, PhotonQuantity{"to_light", &Photon::toLight},
-    PhotonQuantity{"flux", &Photon::flux}, PhotonQuantity{"normal", &Photon::normal}};
+constexpr std::array kQuantities{Quantity{"position", &Photon::position}, Quantity{"to_light", &Photon::toLight},
+                                 Quantity{"flux", &Photon::flux}, Quantity{"normal", &Photon::normal}};
 
-openvdb::Coord placeOf(std::size_t photon)
+std::string gridName(const std::string& group, const char* quantity)
 {
-    return {static_cast<int>(photon & 127), static_cast<int>(photon >> 7 & 127), static_cast<int>(photon >> 14)};
+    return fmt::format("photon-map/d0/{}/{}/0/0", group, quantity);
 }
+std::string shotKey(const std::string& group) { return "lightloom.shot/" + group; }
 
-std::string photonGridName(const std::string& group, const PhotonQuantity& quantity)
+/// Voxels of photons 0 .. count - 1.
+std::vector<glm::ivec3> placesOf(std::size_t count)
 {
-    return fmt::format("photon-map/d0/{}/{}/0/0", group, quantity.name);
+    std::vector<glm::ivec3> places;
+    places.reserve(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        places.emplace_back(static_cast<int>(i & 127), static_cast<int>(i >> 7 & 127), static_cast<int>(i >> 14));
+    }
+    return places;
 }
 
 } // namespace
 
-openvdb::GridPtrVec photonGrids(const PhotonMapField& field, const Scene& scene)
+void storePhotons(const PhotonMapField& field, const Scene& scene, VdbFile& file)
 {
-    openvdb::GridPtrVec grids;
     for (std::size_t g = 0; g < field.layers().size(); ++g) {
         const auto& map = field.layers()[g].map;
         if (!map) continue;
-        for (const PhotonQuantity& quantity : kPhotonQuantities) {
-            const auto grid = Vec3Grid::create();
-            grid->setName(photonGridName(escaped(scene.groups[g].id), quantity));
-            grid->insertMeta("shot", openvdb::Int64Metadata(static_cast<std::int64_t>(map->paths().shot)));
-            auto access = grid->getAccessor();
-            for (std::size_t i = 0; i < map->size(); ++i) {
-                access.setValueOn(placeOf(i), toVdb(map->photon(static_cast<std::uint32_t>(i)).*quantity.field));
+        const std::string group = escaped(scene.groups[g].id);
+        file.set(shotKey(group), static_cast<std::int64_t>(map->paths().shot));
+        const std::vector<glm::ivec3> places = placesOf(map->size());
+        std::vector<glm::vec3> values(places.size());
+        for (const Quantity& quantity : kQuantities) {
+            for (std::size_t i = 0; i < values.size(); ++i) {
+                values[i] = map->photon(static_cast<std::uint32_t>(i)).*quantity.field;
             }
-            grids.push_back(grid);
+            file.add(gridName(group, quantity.name), {}, places, values);
         }
     }
-    return grids;
 }
 
-std::shared_ptr<const PhotonPaths> readPhotons(const NamedGrids& grids, const Scene& scene, int group)
+std::shared_ptr<const PhotonPaths> readPhotons(const VdbFile& file, const Scene& scene, int group)
 {
     auto paths = std::make_shared<PhotonPaths>();
-    paths->group = group;
     const std::string id = escaped(scene.groups[static_cast<std::size_t>(group)].id);
-    for (const PhotonQuantity& quantity : kPhotonQuantities) {
-        const auto grid = grids.get<Vec3Grid>(photonGridName(id, quantity));
-        paths->photons.resize(grid->activeVoxelCount());
-        paths->shot = static_cast<std::uint64_t>(grid->metaValue<std::int64_t>("shot"));
-        const auto access = grid->getConstAccessor();
-        for (std::size_t i = 0; i < paths->photons.size(); ++i) {
-            paths->photons[i].*quantity.field = fromVdb(access.getValue(placeOf(i)));
-        }
+    paths->group = group;
+    paths->shot = static_cast<std::uint64_t>(file.integer(shotKey(id)));
+    const std::vector<glm::ivec3> places = placesOf(file.cells(gridName(id, kQuantities[0].name)).size());
+    paths->photons.resize(places.size());
+    for (const Quantity& quantity : kQuantities) {
+        const std::vector<glm::vec3> values = file.vectors(gridName(id, quantity.name), places);
+        for (std::size_t i = 0; i < values.size(); ++i) paths->photons[i].*quantity.field = values[i];
     }
     return paths;
 }
 
-} // namespace lightloom::vdb
+} // namespace lightloom

@@ -2,6 +2,7 @@
 #pragma once
 #include <cmath>
 #include <cstdint>
+#include <span>
 
 namespace lightloom {
 
@@ -37,5 +38,9 @@ private:
     std::uint64_t count_ = 0;
     double mean_ = 0.0, m2_ = 0.0;
 };
+
+/// Spearman's rank correlation of two lists of the same length (asserted): 1 where one rises whenever the other does, 0
+/// where they have nothing to do with each other. Equal values share the mean of their ranks. 0 if a list is constant.
+[[nodiscard]] double rankCorrelation(std::span<const double> a, std::span<const double> b);
 
 } // namespace lightloom
