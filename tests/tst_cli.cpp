@@ -434,7 +434,7 @@ private Q_SLOTS:
                               << "i_bake.csv";
         QTest::newRow("reference") << QStringList{"probe",     kScene,  "--method",
                                                   "reference", "--set", "reference.samples=3000000",
-                                                  "--points",  points}
+                                                  "--points",  points,  "--no-cache"}
                                    << "i_reference.csv";
         QTest::newRow("render") << QStringList{"render", kScene,    "--method", "direct",
                                                "--size", "640x480", "--spp",    "100000"}
@@ -455,12 +455,34 @@ private Q_SLOTS:
         if (output.endsWith(".csv")) QCOMPARE(run({"compare", at(output), at(output)}).code, 3);
     }
 
+    void interruptedReferencesGoOn_data()
+    {
+        QTest::addColumn<QStringList>("how");
+        QTest::newRow("all paths") << QStringList{"--set", "reference.samples=16384"};
+        QTest::newRow("to a target") << QStringList{"--target-stderr", "0.005"};
+    }
+    void interruptedReferencesGoOn() // --resume ends where a run in one piece does, to the byte
+    {
+        QFETCH(QStringList, how);
+        const QString scene = at(how[0] == "--set" ? "resume_a.glb" : "resume_b.glb");
+        QVERIFY(QFile::copy(kScene, scene));
+        const QStringList words =
+            QStringList{"probe", scene, "--method", "reference", "--points", at("points.csv")} + how;
+        qint64 tookMs = 0;
+        const Ran part = interrupted(words + QStringList{"-o", at("part.csv")}, tookMs);
+        QVERIFY2(part.code == 130 && part.err.contains("--resume"), qPrintable(part.text()));
+        const Ran on = run(words + QStringList{"--resume", "-o", at("part.csv")});
+        QVERIFY2(on.code == 0 && on.err.contains("traced before"), qPrintable(on.text()));
+        QVERIFY2(run(words + QStringList{"--no-cache", "-o", at("whole.csv")}).code == 0, "in one piece");
+        QVERIFY(!contents(at("part.csv")).isEmpty() && contents(at("part.csv")) == contents(at("whole.csv")));
+    }
+
     void theSecondInterruptKills()
     {
         // sent back to back: the first one's clean stop must not keep the second from its default
         qint64 tookMs = 0;
         const Ran ran = interrupted({"probe", kScene, "--method", "reference", "--set", "reference.samples=3000000",
-                                     "--points", at("points.csv"), "-o", at("k.csv")},
+                                     "--points", at("points.csv"), "--no-cache", "-o", at("k.csv")},
                                     tookMs, 40);
         QVERIFY2(ran.code == -3 || ran.code == 130, qPrintable(ran.text())); // the kernel may fold pending signals
         QVERIFY2(tookMs < 5000, qPrintable(QString("%1 ms").arg(tookMs)));

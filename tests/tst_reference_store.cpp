@@ -21,8 +21,11 @@ struct Shelf {
     std::vector<std::string> lines;
     LitScene lit{cavityCube(0.5f)};
     std::vector<ProbePoint> points;
-    Workers workers{2};
-    int traced = 0; ///< calls of progress: none when nothing was traced
+    Workers workers{1};
+    int traced = 0;        ///< calls of progress: none when nothing was traced
+    std::stop_source stop; ///< of the next run
+    int stopAfter = 0;     ///< calls of progress; 0: never
+    bool resume = true;
 
     Shelf()
     {
@@ -34,9 +37,13 @@ struct Shelf {
     KeptReference ask(const ReferenceJob& job, ReferenceMatch match = ReferenceMatch::sameBits, const Mix& mix = {})
     {
         traced = 0;
-        const ReferenceStore store(scene(), [&](LogLevel, const std::string& line) { lines.push_back(line); });
-        return store.illuminance(*lit.rays, *lit.lights, mix, points, job, match, workers, {},
-                                 [&](double) { ++traced; });
+        stop = {};
+        const ReferenceStore store(
+            scene(), [&](LogLevel, const std::string& line) { lines.push_back(line); }, resume);
+        return store.illuminance(*lit.rays, *lit.lights, mix, points, job, match, workers, stop.get_token(),
+                                 [&](double) {
+                                     if (++traced == stopAfter) stop.request_stop();
+                                 });
     }
 };
 
@@ -98,6 +105,27 @@ private Q_SLOTS:
         QVERIFY(!shelf.ask(jobOf(4096), ReferenceMatch::asGood).wasStored); // more paths than are there
         QVERIFY(shelf.ask(jobOf(1 << 20, 1, 0.5f), ReferenceMatch::asGood).wasStored);
         QVERIFY(!shelf.ask(jobOf(8192, 1, 1e-4f), ReferenceMatch::asGood).wasStored);
+    }
+
+    void whatWasStoppedGoesOn()
+    {
+        Shelf shelf;
+        shelf.stopAfter = 5;
+        const KeptReference part = shelf.ask(jobOf(4096));
+        QVERIFY(part.result.finished == 5 && !part.wasStored && !part.file.empty());
+        shelf.stopAfter = 0;
+        shelf.resume = false;
+        QCOMPARE(shelf.ask(jobOf(2048)).resumed, std::uint64_t(0));           // not what was asked to go on with
+        const KeptReference anew = shelf.ask(jobOf(4096));                    // overwrites the stopped one
+        QVERIFY(anew.resumed == 128 * 12 * 16 && anew.result.finished == 12); // ... from the finished 2048
+        QVERIFY(fs::remove(anew.file));
+        shelf.stopAfter = 5;
+        QCOMPARE(shelf.ask(jobOf(4096)).result.finished, std::size_t(5));
+        shelf.stopAfter = 0;
+        shelf.resume = true;
+        const KeptReference on = shelf.ask(jobOf(4096));
+        QVERIFY(on.resumed > 0 && sameBits(on.result, anew.result));
+        QVERIFY(shelf.ask(jobOf(4096)).wasStored && shelf.lines.empty());
     }
 
     void damageIsSaidOnceAndMended()

@@ -69,9 +69,15 @@ struct BakeCommand {
 };
 int bake(const Context& context, const BakeCommand& command);
 
+/// What may be done with references on disk.
+struct CacheUse {
+    bool isUsed = true;  ///< take them from there, and keep them there
+    bool resume = false; ///< go on with what an interrupted run left
+};
+
 struct ProbeCommand {
     std::string scene, method, points, bakeFile, output;
-    bool useCache = true; ///< take references from disk, and keep them there
+    CacheUse cache{};
     BakeOptions options;
 };
 int probe(const Context& context, const ProbeCommand& command);

@@ -176,13 +176,19 @@ private:
             ->option_text("NAME=VALUE");
     }
 
+    static void addCache(CLI::App& to, cli::CacheUse& cache)
+    {
+        to.add_flag("!--no-cache", cache.isUsed, "Trace the reference anew, and keep nothing of it");
+        to.add_flag("--resume", cache.resume, "Go on with the reference that an interrupted run left");
+    }
+
     void addBakeOptions(CLI::App& to)
     {
         cli::BakeOptions& o = spoken_.bakeOptions;
         addChoice(to, "--preset", o.preset, texts(kPresetNames), "All parameters at once, by purpose")
             ->each([&o](const std::string&) { o.isPresetGiven = true; });
         addSet(to);
-        to.add_option("--target-stderr", o.targetStderr, "Stop the reference at this error, a fraction of the mean")
+        to.add_option("--target-stderr", o.targetStderr, "Trace the reference to this error, a fraction of the mean")
             ->option_text("FRACTION");
         addChoice(to, "--isa", spoken_.isa, texts(kIsaNames), "Instruction set for rays; part of the result's bits");
     }
@@ -236,7 +242,7 @@ private:
         addMethod(*command, spoken_.probe.method);
         addBake(*command, spoken_.probe.bakeFile);
         command->add_option("--points", spoken_.probe.points, "Where: x,y,z,nx,ny,nz")->required()->option_text("FILE");
-        command->add_flag("!--no-cache", spoken_.probe.useCache, "Trace the reference anew, and keep nothing of it");
+        addCache(*command, spoken_.probe.cache);
         addBakeOptions(*command);
         addOutput(*command, "RESULT.csv; standard output without");
     }

@@ -119,6 +119,12 @@ Result<Done> checkRequest(const LightingRequest& request)
         if (const Result<Method> method = methodNamed(request.method); !method) return method.error();
     }
     if (const Result<BakeParams> params = bakeParams(request.options); !params) return params.error();
+    if (request.cache.resume && request.method != methodName(Method::reference)) {
+        return Error{Error::Kind::badInput, "--resume goes on with a reference: --method reference"};
+    }
+    if (request.cache.resume && !request.cache.isUsed) {
+        return Error{Error::Kind::badInput, "--resume finds what was done in the cache; leave --no-cache out"};
+    }
     return Done{};
 }
 

@@ -30,6 +30,7 @@ struct Lighting {
 struct LightingRequest {
     std::string scene, method, bakeFile;
     BakeOptions options;
+    CacheUse cache{};
 };
 
 /// Options that no method could follow, told apart from bad input because their exit code is another (usage).

@@ -26,6 +26,20 @@ ProbeTable tableOf(const std::vector<ProbeRow>& rows, std::size_t finished)
     return table;
 }
 
+void tellSource(const Context& context, const KeptReference& kept)
+{
+    const ReferenceResult& r = kept.result;
+    if (kept.wasStored) log(context.log, LogLevel::info, fmt::format("from {}", kept.file.string()));
+    if (kept.resumed > 0) {
+        log(context.log, LogLevel::info, fmt::format("{} of {} paths were traced before", kept.resumed, r.paths));
+    }
+    if (r.capped > 0) {
+        log(context.log, LogLevel::warning,
+            fmt::format("{} of {} points used all {} paths before they met the target; raise reference.samples",
+                        r.capped, r.probes.size(), r.leastPaths));
+    }
+}
+
 ProbeTable byReference(const Context& context, const ReferenceStore& store, const Lighting& lighting,
                        const std::vector<ProbeRow>& rows, const std::vector<ProbePoint>& points)
 {
@@ -34,7 +48,7 @@ ProbeTable byReference(const Context& context, const ReferenceStore& store, cons
     const KeptReference kept = store.illuminance(
         *lighting.lit.rays, *lighting.lit.lights, {}, points, job, ReferenceMatch::sameBits, *context.workers,
         context.stop, [&](double fraction) { context.report->progress("reference", fraction); });
-    if (kept.wasStored) log(context.log, LogLevel::info, fmt::format("from {}", kept.file.string()));
+    tellSource(context, kept);
     const ReferenceResult& result = kept.result;
     ProbeTable table = tableOf(rows, result.finished);
     for (std::size_t i = 0; i < result.finished; ++i) {
@@ -95,9 +109,10 @@ nlohmann::json summary(const Context& context, const Lighting& lighting, const P
 }
 
 /// What was finished is kept, with a last line that no reader can take for numbers.
-int saveInterrupted(const ProbeTable& table, std::size_t wanted, const std::string& output)
+int saveInterrupted(const ProbeTable& table, std::size_t wanted, const std::string& output, bool canResume)
 {
-    const std::string what = fmt::format("interrupted after {} of {} points", table.points.size(), wanted);
+    const std::string what = fmt::format("interrupted after {} of {} points{}", table.points.size(), wanted,
+                                         canResume ? " (--resume goes on)" : "");
     if (table.points.empty() || output.empty()) return fail({Error::Kind::cancelled, what + "; nothing was written"});
     const Result<Done> written = writeFile(output, resultText(table, wanted));
     if (!written) return failWriting(written.error());
@@ -108,7 +123,7 @@ int saveInterrupted(const ProbeTable& table, std::size_t wanted, const std::stri
 
 int probe(const Context& context, const ProbeCommand& command)
 {
-    const LightingRequest request{command.scene, command.method, command.bakeFile, command.options};
+    const LightingRequest request{command.scene, command.method, command.bakeFile, command.options, command.cache};
     if (const Result<Done> fine = checkRequest(request); !fine) return failUsage(fine.error());
     if (context.json && command.output.empty()) {
         return failUsage({Error::Kind::badInput, "with --json the table needs a file: -o RESULT.csv"});
@@ -124,11 +139,15 @@ int probe(const Context& context, const ProbeCommand& command)
     if (!lighting) return fail(lighting.error());
     std::vector<ProbePoint> points;
     for (const ProbeRow& row : *rows) points.push_back(inScene(*lighting->lit.scene, row));
-    const ReferenceStore store = command.useCache ? ReferenceStore(command.scene, context.log) : ReferenceStore();
+    const ReferenceStore store =
+        command.cache.isUsed ? ReferenceStore(command.scene, context.log, command.cache.resume) : ReferenceStore();
     const ProbeTable table = lighting->method == Method::reference
                                  ? byReference(context, store, *lighting, *rows, points)
                                  : byField(context, *lighting, *rows, points);
-    if (table.points.size() < rows->size()) return saveInterrupted(table, rows->size(), command.output);
+    if (table.points.size() < rows->size()) {
+        const bool canResume = lighting->method == Method::reference && command.cache.isUsed;
+        return saveInterrupted(table, rows->size(), command.output, canResume);
+    }
 
     const std::string text = resultText(table);
     if (command.output.empty()) {

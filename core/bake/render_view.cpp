@@ -3,7 +3,7 @@
 #include "core/base/low_discrepancy.h"
 #include "core/base/units.h"
 #include "core/trace/final_gather.h"
-#include "core/trace/path_tracer.h"
+#include "core/trace/path_walk.h"
 #include "shaders/common.h"
 #include <atomic>
 #include <cmath>
@@ -26,7 +26,7 @@ public:
     Eye(const RayScene& rays, const LightSampler& lights, const Mix& mix, const IndirectField* field,
         const ViewJob& job)
         : rays_(rays), lights_(lights), mix_(mix), field_(field), job_(job), directSamples_(share(job.directSamples)),
-          gatherRays_(share(job.gatherRays))
+          gatherRays_(share(job.gatherRays)), paths_(rays, lights, mix)
     {
         if (field_) cached_ = [this](glm::vec3 p, glm::vec3 n, glm::vec3& lux) { return field_->lookup(p, n, lux); };
     }
@@ -51,8 +51,8 @@ public:
             if (!scatter(surface, n, -travel, u, next)) break;
             origin = rays_.leave(hit.position, n);
             if (job_.indirect == ViewJob::Indirect::paths && !next.isMirror) {
-                seen.indirect += throughput * next.weight *
-                                 tracePath(rays_, lights_, mix_, origin, next.away, false, job_.pathDepth, rng);
+                seen.indirect +=
+                    throughput * next.weight * paths_.radiance(origin, next.away, false, job_.pathDepth, rng);
                 break;
             }
             if (!next.isSpecular) break; // its diffuse part was taken above
@@ -95,6 +95,7 @@ private:
     const IndirectField* field_;
     const ViewJob& job_;
     int directSamples_, gatherRays_;
+    PathWalk paths_;
     CachedIndirect cached_;
 };
 

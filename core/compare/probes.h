@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "core/trace/path_tracer.h"
+#include "core/trace/reference.h"
 #include <filesystem>
 #include <optional>
 #include <string>

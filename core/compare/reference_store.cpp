@@ -48,7 +48,14 @@ fs::path nameOf(const Sha256::Digest& key, const ReferenceJob& job)
     return fmt::format("{}{}-{}{}", prefixOf(key), job.paths, job.targetError, kExtension);
 }
 
-std::vector<std::uint8_t> encode(const Sha256::Digest& key, const ReferenceJob& job, const ReferenceResult& result)
+/// A reference on disk: for what job, and how far it came.
+struct Entry {
+    int paths = 0;
+    float targetError = 0.0f;
+    ReferenceState state;
+};
+
+std::vector<std::uint8_t> encode(const Sha256::Digest& key, const ReferenceJob& job, const ReferenceState& state)
 {
     ByteWriter out;
     out.put(kMagic);
@@ -56,17 +63,10 @@ std::vector<std::uint8_t> encode(const Sha256::Digest& key, const ReferenceJob& 
     out.put(key);
     out.put(job.paths);
     out.put(job.targetError);
-    out.put(result.paths);
-    out.put(result.leastPaths);
-    out.put(result.probes);
+    out.put(state.goal);
+    out.put(state.probes);
     return std::move(out).sealed();
 }
-
-struct Entry {
-    int paths = 0;
-    float targetError = 0.0f;
-    ReferenceResult result;
-};
 
 Result<Entry> decode(std::span<const std::uint8_t> file, const Sha256::Digest& key, std::size_t probes)
 {
@@ -76,12 +76,10 @@ Result<Entry> decode(std::span<const std::uint8_t> file, const Sha256::Digest& k
     std::uint32_t version = 0;
     Sha256::Digest found{};
     Entry entry;
-    ReferenceResult& r = entry.result;
     const bool isRead = in.expect(kMagic) && in.get(version) && version == kVersion && in.get(found) && found == key &&
-                        in.get(entry.paths) && in.get(entry.targetError) && in.get(r.paths) && in.get(r.leastPaths) &&
-                        in.get(r.probes) && in.isAtEnd() && r.probes.size() == probes;
+                        in.get(entry.paths) && in.get(entry.targetError) && in.get(entry.state.goal) &&
+                        in.get(entry.state.probes) && in.isAtEnd() && entry.state.probes.size() == probes;
     if (!isRead) return Error{Error::Kind::badInput, "it holds something else than its name says"};
-    r.finished = probes;
     return entry;
 }
 
@@ -100,12 +98,28 @@ bool meets(const ReferenceResult& result, float target)
     return rms.x <= goal.x && rms.y <= goal.y;
 }
 
+bool isSameJob(const Entry& entry, const ReferenceJob& job)
+{
+    return entry.paths == job.paths && entry.targetError == job.targetError;
+}
+
 bool serves(const Entry& entry, const ReferenceJob& job, ReferenceMatch match)
 {
-    const bool isSame = entry.paths == job.paths && entry.targetError == job.targetError;
-    if (isSame || match == ReferenceMatch::sameBits) return isSame;
-    if (entry.result.leastPaths >= static_cast<std::uint64_t>(job.paths)) return true;
-    return job.targetError > 0.0f && meets(entry.result, job.targetError);
+    ReferenceJob own = job;
+    own.paths = entry.paths;
+    own.targetError = entry.targetError;
+    const ReferenceResult result = resultOf(entry.state, own);
+    if (result.finished < result.probes.size()) return false;
+    if (isSameJob(entry, job) || match == ReferenceMatch::sameBits) return isSameJob(entry, job);
+    if (result.leastPaths >= static_cast<std::uint64_t>(job.paths)) return true;
+    return job.targetError > 0.0f && meets(result, job.targetError);
+}
+
+/// True if going on from `entry` ends where `job` would have come from nothing.
+bool leadsTo(const Entry& entry, const ReferenceJob& job, bool resume)
+{
+    if (isSameJob(entry, job)) return resume;
+    return entry.targetError == 0.0f && job.targetError == 0.0f && entry.paths < job.paths;
 }
 
 fs::path userCache()
@@ -154,12 +168,45 @@ void prune(const fs::path& folder)
 
 } // namespace
 
-ReferenceStore::ReferenceStore(const fs::path& sceneFile, LogSink log) : log_(std::move(log))
+ReferenceStore::ReferenceStore(const fs::path& sceneFile, LogSink log, bool resume)
+    : log_(std::move(log)), resume_(resume)
 {
     std::error_code error;
     const fs::path scene = fs::absolute(sceneFile, error);
     folders_.push_back((error ? sceneFile : scene).string() + ".lightloom-cache");
     if (const fs::path cache = userCache(); !cache.empty()) folders_.push_back(cache);
+}
+
+/// Calls `visit` for every sound entry that begins with `prefix`; damaged ones are told and removed.
+template<class Visit>
+void ReferenceStore::forEntries(const std::string& prefix, const Visit& visit) const
+{
+    for (const fs::path& folder : folders_) {
+        for (const fs::path& path : entriesIn(folder, prefix)) {
+            const Result<std::vector<std::uint8_t>> bytes = readFile(path, kMostFileBytes);
+            if (!bytes) continue; // another program may just have pruned it
+            const Result<Done> seen = visit(path, std::span(*bytes));
+            if (seen) continue;
+            log(log_, LogLevel::warning,
+                fmt::format("{} is damaged ({}); traced anew", path.string(), seen.error().message));
+            std::error_code ignored;
+            fs::remove(path, ignored);
+        }
+    }
+}
+
+/// Where it was put; empty: no folder took it.
+fs::path ReferenceStore::keep(const fs::path& name, std::span<const std::uint8_t> bytes) const
+{
+    for (const fs::path& folder : folders_) {
+        std::error_code ignored;
+        fs::create_directories(folder, ignored);
+        if (!writeFile(folder / name, bytes)) continue;
+        prune(folder);
+        return folder / name;
+    }
+    if (!folders_.empty()) log(log_, LogLevel::info, "the reference could not be kept: no folder takes it");
+    return {};
 }
 
 KeptReference ReferenceStore::illuminance(const RayScene& rays, const LightSampler& lights, const Mix& mix,
@@ -169,37 +216,30 @@ KeptReference ReferenceStore::illuminance(const RayScene& rays, const LightSampl
 {
     const Sha256::Digest key = keyOf(rays, mix, points, job);
     KeptReference kept;
-    for (const fs::path& folder : folders_) {
-        for (const fs::path& path : entriesIn(folder, prefixOf(key))) {
-            const Result<std::vector<std::uint8_t>> bytes = readFile(path, kMostFileBytes);
-            if (!bytes) continue; // another program may just have pruned it
-            Result<Entry> entry = decode(*bytes, key, points.size());
-            if (!entry) {
-                log(log_, LogLevel::warning,
-                    fmt::format("{} is damaged ({}); traced anew", path.string(), entry.error().message));
-                std::error_code ignored;
-                fs::remove(path, ignored);
-                continue;
-            }
-            if (!serves(*entry, job, match)) continue;
+    ReferenceState state;
+    forEntries(prefixOf(key), [&](const fs::path& path, std::span<const std::uint8_t> bytes) -> Result<Done> {
+        if (kept.wasStored) return Done{};
+        Result<Entry> entry = decode(bytes, key, points.size());
+        if (!entry) return entry.error();
+        if (serves(*entry, job, match)) {
             std::error_code ignored;
-            fs::last_write_time(path, fs::file_time_type::clock::now(), ignored);
-            return {std::move(entry->result), true, path};
+            fs::last_write_time(path, fs::file_time_type::clock::now(), ignored); // so that it is pruned last
+            ReferenceJob own = job;
+            own.paths = entry->paths;
+            own.targetError = entry->targetError;
+            kept = {resultOf(entry->state, own), true, 0, path};
+        } else if (leadsTo(*entry, job, resume_)) {
+            const std::uint64_t paths = resultOf(entry->state, job).paths;
+            if (paths > kept.resumed) {
+                kept.resumed = paths;
+                state = std::move(entry->state);
+            }
         }
-    }
-    kept.result = referenceIlluminance(rays, lights, mix, points, job, workers, stop, progress);
-    if (kept.result.finished < points.size()) return kept;
-    const std::vector<std::uint8_t> bytes = encode(key, job, kept.result);
-    for (const fs::path& folder : folders_) {
-        std::error_code ignored;
-        fs::create_directories(folder, ignored);
-        const fs::path path = folder / nameOf(key, job);
-        if (!writeFile(path, std::span(bytes))) continue;
-        prune(folder);
-        kept.file = path;
-        return kept;
-    }
-    if (!folders_.empty()) log(log_, LogLevel::info, "the reference could not be kept: no folder takes it");
+        return Done{};
+    });
+    if (kept.wasStored) return kept;
+    kept.result = continueReference(rays, lights, mix, points, job, state, workers, stop, progress);
+    if (kept.result.paths > 0) kept.file = keep(nameOf(key, job), encode(key, job, state));
     return kept;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "core/base/log.h"
-#include "core/trace/path_tracer.h"
+#include "core/trace/reference.h"
 #include <filesystem>
 
 namespace lightloom {
@@ -14,8 +14,9 @@ enum class ReferenceMatch {
 
 /// A reference and where it came from.
 struct KeptReference {
-    ReferenceResult result;     ///< `result.finished` below the number of probes: stopped
+    ReferenceResult result;     ///< `result.finished` below the number of probes: stopped, and kept to go on with
     bool wasStored = false;     ///< found whole: nothing was traced
+    std::uint64_t resumed = 0;  ///< paths that an earlier run had traced, not counting what was found whole
     std::filesystem::path file; ///< where it is kept; empty: nowhere
 };
 
@@ -23,14 +24,16 @@ struct KeptReference {
 /// `<scene file>.lightloom-cache/` beside the scene, or where that cannot be written in the user's cache folder
 /// ($XDG_CACHE_HOME/lightloom or ~/.cache/lightloom). An entry is found by what it depends on (the scene's hash,
 /// instruction set, mix, probes, seed), checked against a SHA-256 and written whole or not at all; a damaged one is
-/// logged in one line and traced anew. Beyond 1 GiB a folder loses its oldest entries. What cannot be read or written
-/// costs a log line and time, never the result. Any number of stores and programs may share a folder.
+/// logged in one line and traced anew. A reference with fewer paths is gone on with, not begun anew. Beyond 1 GiB a
+/// folder loses its oldest entries. What cannot be read or written costs a log line and time, never the result. Any
+/// number of stores and programs may share a folder.
 class ReferenceStore {
 public:
     ReferenceStore() = default; ///< keeps and finds nothing: everything is traced
-    explicit ReferenceStore(const std::filesystem::path& sceneFile, LogSink log = {});
+    /// With `resume` the runs that were stopped are gone on with; else they are begun anew.
+    explicit ReferenceStore(const std::filesystem::path& sceneFile, LogSink log = {}, bool resume = true);
 
-    /// The reference for `points`: found, or traced now (`referenceIlluminance`) and kept.
+    /// The reference for `points`: found, or traced now (`continueReference`) and kept, also where it was stopped.
     [[nodiscard]] KeptReference illuminance(const RayScene& rays, const LightSampler& lights, const Mix& mix,
                                             const std::vector<ProbePoint>& points, const ReferenceJob& job,
                                             ReferenceMatch match, Workers& workers, const std::stop_token& stop,
@@ -40,8 +43,14 @@ public:
     [[nodiscard]] const std::vector<std::filesystem::path>& folders() const { return folders_; }
 
 private:
+    template<class Visit>
+    void forEntries(const std::string& prefix, const Visit& visit) const;
+    [[nodiscard]] std::filesystem::path keep(const std::filesystem::path& name,
+                                             std::span<const std::uint8_t> bytes) const;
+
     std::vector<std::filesystem::path> folders_;
     LogSink log_;
+    bool resume_ = true;
 };
 
 } // namespace lightloom

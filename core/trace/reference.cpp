@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/trace/reference.h"
+#include "core/base/sampling.h"
+#include "core/trace/path_walk.h"
+#include <atomic>
+#include <limits>
+
+namespace lightloom {
+namespace {
+
+constexpr int kStrata = 8, kBatch = kStrata * kStrata;
+constexpr float kFar = std::numeric_limits<float>::infinity();
+using Sums = CrossedMean<6>;
+
+std::uint64_t mostBatches(const ReferenceJob& job)
+{
+    return static_cast<std::uint64_t>(glm::max(2, (job.paths + kBatch - 1) / kBatch));
+}
+
+bool isAdaptive(const ReferenceJob& job) { return job.targetError > 0.0f && mostBatches(job) > 2 * Sums::kLeast; }
+
+bool isDone(const Sums& sums, const ReferenceJob& job) { return sums.isEnded() || sums.batches() >= mostBatches(job); }
+
+/// Of three numbers, one per channel, from `first` on.
+double luminanceOf(const Sums::Values& v, std::size_t first)
+{
+    return static_cast<double>(kLumaR) * v[first] + static_cast<double>(kLumaG) * v[first + 1] +
+           static_cast<double>(kLumaB) * v[first + 2];
+}
+
+ProbeLight lightOf(const Sums& sums)
+{
+    ProbeLight light;
+    for (int c = 0; c < 3; ++c) {
+        const auto k = static_cast<std::size_t>(c);
+        light.direct[c] = static_cast<float>(sums.mean(k));
+        light.indirect[c] = static_cast<float>(sums.mean(k + 3));
+        light.directError[c] = static_cast<float>(sums.standardError(k));
+        light.indirectError[c] = static_cast<float>(sums.standardError(k + 3));
+    }
+    return light;
+}
+
+/// Traces batches of one probe after another into their sums. Batch b of a probe depends on nothing but the job and the
+/// probe: a run may stop and go on between any two.
+class ReferenceRun {
+public:
+    ReferenceRun(const RayScene& rays, const LightSampler& lights, const Mix& mix, const ReferenceJob& job)
+        : rays_(rays), lights_(lights), mix_(mix), job_(job), walk_(rays, lights, mix)
+    {
+        int surfaces = 0;
+        for (const Emitter& e : lights.emitters()) surfaces += e.kind == Emitter::Kind::surface ? 1 : 0;
+        lampSamples_ = glm::max(1, job.directSamples / glm::max(1, surfaces));
+    }
+
+    /// Up to `batches`, or until both chains have ended, with a goal. False: stopped before.
+    bool refine(const ProbePoint& point, Sums& sums, std::uint64_t batches, glm::dvec2 goal,
+                const std::stop_token& stop) const
+    {
+        const auto isEnough = [goal](const Sums::Values& errors) {
+            return luminanceOf(errors, 0) <= goal.x && luminanceOf(errors, 3) <= goal.y;
+        };
+        while (true) {
+            if (goal.x >= 0.0) sums.look(isEnough);
+            if (sums.isEnded() || sums.batches() >= batches) return true;
+            if (stop.stop_requested()) return false;
+            sums.add(batch(point, sums.batches()));
+        }
+    }
+
+private:
+    [[nodiscard]] Sums::Values batch(const ProbePoint& point, std::uint64_t number) const
+    {
+        Rng rng(job_.seed, point.stream, number);
+        glm::dvec3 direct = fromLamps(point, rng), indirect(0.0);
+        const Frame frame(point.normal);
+        const glm::vec3 start = rays_.leave(point.position, point.normal);
+        for (int i = 0; i < kBatch; ++i) {
+            const float u1 = (static_cast<float>(i % kStrata) + rng.uniform()) / kStrata;
+            const float u2 = (static_cast<float>(i / kStrata) + rng.uniform()) / kStrata;
+            const glm::vec3 local = sampleCosineHemisphere(u1, u2), travel = frame.toWorld(local);
+            Hit hit;
+            if (!rays_.intersect(start, travel, kFar, hit)) continue;
+            const Surface surface = surfaceAt(rays_, hit);
+            const glm::vec3 emission = walk_.emitted(hit, surface);
+            if (emission != glm::vec3(0.0f)) {
+                const double lobe = kBatch * static_cast<double>(local.z) / std::numbers::pi;
+                const double lamps = lampSamples_ * static_cast<double>(lights_.pdf(point.position, hit));
+                direct += glm::dvec3(emission) * (local.z / (lobe + lamps));
+            }
+            indirect += glm::dvec3(walk_.reflected(hit, surface, travel, job_.pathDepth, rng));
+        }
+        indirect *= std::numbers::pi / kBatch;
+        return {direct.x, direct.y, direct.z, indirect.x, indirect.y, indirect.z};
+    }
+
+    /// The share of direct light that samples of the lamps bring; the gather rays of the batch bring the rest.
+    [[nodiscard]] glm::dvec3 fromLamps(const ProbePoint& point, Rng& rng) const
+    {
+        glm::dvec3 sum(0.0);
+        const glm::vec3 start = rays_.leave(point.position, point.normal);
+        for (std::size_t e = 0; e < lights_.emitters().size(); ++e) {
+            const Emitter& emitter = lights_.emitters()[e];
+            const glm::dvec3 gain(gainOf(mix_, emitter.group));
+            if (gain == glm::dvec3(0.0)) continue;
+            const int count = emitter.kind == Emitter::Kind::surface ? lampSamples_ : 1;
+            for (int i = 0; i < count; ++i) {
+                const glm::vec2 u((static_cast<float>(i) + rng.uniform()) / static_cast<float>(count), rng.uniform());
+                LightSample s;
+                if (!lights_.sample(static_cast<int>(e), point.position, u, s)) continue;
+                const float cosine = glm::dot(point.normal, s.toLight);
+                if (!(cosine > 0.0f) || rays_.isBlocked(start, s.end)) continue;
+                const double c = static_cast<double>(cosine), lobe = kBatch * c / std::numbers::pi;
+                if (s.isPunctual())
+                    sum += gain * glm::dvec3(s.illuminance) * c;
+                else
+                    sum += gain * glm::dvec3(s.radiance) * (c / (lobe + count * static_cast<double>(s.pdf)));
+            }
+        }
+        return sum;
+    }
+
+    const RayScene& rays_;
+    const LightSampler& lights_;
+    const Mix& mix_;
+    const ReferenceJob& job_;
+    PathWalk walk_;
+    int lampSamples_ = 1;
+};
+
+/// The errors at which a probe is done: the target's share of the means over all probes.
+glm::dvec2 goalOf(const std::vector<Sums>& probes, float target)
+{
+    glm::dvec2 sum(0.0);
+    for (const Sums& s : probes) {
+        Sums::Values mean;
+        for (std::size_t k = 0; k < mean.size(); ++k) mean[k] = s.mean(k);
+        sum += glm::dvec2(luminanceOf(mean, 0), luminanceOf(mean, 3));
+    }
+    return sum * (static_cast<double>(target) / glm::max(1.0, static_cast<double>(probes.size())));
+}
+
+} // namespace
+
+ReferenceResult resultOf(const ReferenceState& state, const ReferenceJob& job)
+{
+    ReferenceResult out;
+    out.probes.reserve(state.probes.size());
+    bool isWhole = true;
+    for (const Sums& s : state.probes) {
+        const std::uint64_t paths = s.batches() * kBatch;
+        isWhole = isWhole && isDone(s, job);
+        out.finished += isWhole ? 1 : 0;
+        out.capped += isAdaptive(job) && isDone(s, job) && !s.isEnded() ? 1 : 0;
+        out.paths += paths;
+        out.leastPaths = out.probes.empty() ? paths : std::min(out.leastPaths, paths);
+        out.probes.push_back(lightOf(s));
+    }
+    return out;
+}
+
+ReferenceResult continueReference(const RayScene& rays, const LightSampler& lights, const Mix& mix,
+                                  const std::vector<ProbePoint>& points, const ReferenceJob& job, ReferenceState& state,
+                                  Workers& workers, const std::stop_token& stop,
+                                  const std::function<void(double)>& progress)
+{
+    state.probes.resize(points.size());
+    const ReferenceRun run(rays, lights, mix, job);
+    std::atomic<std::size_t> ended = 0;
+    const auto sweep = [&](std::uint64_t batches, double from, double to) {
+        ended = 0;
+        std::atomic<bool> isStopped = false;
+        const bool all = workers.run(points.size(), stop, [&, batches, from, to](std::size_t i) {
+            if (!run.refine(points[i], state.probes[i], batches, state.goal, stop)) isStopped = true;
+            const double part = static_cast<double>(++ended) / static_cast<double>(points.size());
+            if (progress) progress(from + (to - from) * part);
+        });
+        return all && !isStopped;
+    };
+    double from = 0.0;
+    if (isAdaptive(job) && state.goal.x < 0.0) {
+        from = 0.1;
+        if (!sweep(2 * Sums::kLeast, 0.0, from)) return resultOf(state, job);
+        state.goal = goalOf(state.probes, job.targetError);
+    }
+    static_cast<void>(sweep(mostBatches(job), from, 1.0));
+    return resultOf(state, job);
+}
+
+ReferenceResult referenceIlluminance(const RayScene& rays, const LightSampler& lights, const Mix& mix,
+                                     const std::vector<ProbePoint>& points, const ReferenceJob& job, Workers& workers,
+                                     const std::stop_token& stop, const std::function<void(double)>& progress)
+{
+    ReferenceState state;
+    return continueReference(rays, lights, mix, points, job, state, workers, stop, progress);
+}
+
+} // namespace lightloom
