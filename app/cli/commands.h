@@ -44,6 +44,8 @@ struct BakeOptions {
     Isa isa = Isa::automatic;
 };
 [[nodiscard]] Result<BakeParams> bakeParams(const BakeOptions& options);
+/// With --target-stderr the most paths and samples of a reference rise out of its way, unless they were set by hand.
+void makeRoomForTarget(BakeParams& params, const BakeOptions& options);
 /// The options other than the preset, on top of `from`.
 [[nodiscard]] Result<BakeParams> withOptions(BakeParams from, const BakeOptions& options);
 

@@ -142,6 +142,7 @@ Result<Lighting> prepareLighting(const Context& context, const LightingRequest& 
     if (!params) return params.error();
     lighting.method = *method;
     lighting.params = *params;
+    if (*method == Method::reference) makeRoomForTarget(lighting.params, request.options);
     if (*method == Method::lightOctree || *method == Method::photonMap) {
         const Result<Done> baked = bakeNow(context, request, bakeShare, lighting);
         if (!baked) return baked.error();

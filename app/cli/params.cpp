@@ -13,26 +13,18 @@ Result<BakeParams> bakeParams(const BakeOptions& options)
     return params ? withOptions(*params, options) : params;
 }
 
-namespace {
-
-constexpr int kMostPaths = 1 << 20, kMostSamples = 1 << 14;
-
-/// A target is to be met: the most paths and samples rise out of the way, unless they were set by hand.
-Result<BakeParams> withTarget(const BakeParams& from, const BakeOptions& options)
+void makeRoomForTarget(BakeParams& params, const BakeOptions& options)
 {
-    Result<BakeParams> params = with(from, "reference.stderr", *options.targetStderr);
-    if (!params || *options.targetStderr <= 0.0) return params;
+    constexpr int kMostPaths = 1 << 20, kMostSamples = 1 << 14;
+    if (params.referenceStderr <= 0.0f || !options.targetStderr) return;
     const auto isSet = [&](std::string_view key) {
         return std::ranges::any_of(options.set, [key](const std::string& text) {
             return text.starts_with(key) && text.substr(key.size()).starts_with('=');
         });
     };
-    if (!isSet("reference.samples")) params->referenceSamples = std::max(params->referenceSamples, kMostPaths);
-    if (!isSet("render.samples")) params->pixelSamples = std::max(params->pixelSamples, kMostSamples);
-    return params;
+    if (!isSet("reference.samples")) params.referenceSamples = std::max(params.referenceSamples, kMostPaths);
+    if (!isSet("render.samples")) params.pixelSamples = std::max(params.pixelSamples, kMostSamples);
 }
-
-} // namespace
 
 Result<BakeParams> withOptions(BakeParams from, const BakeOptions& options)
 {
@@ -41,7 +33,7 @@ Result<BakeParams> withOptions(BakeParams from, const BakeOptions& options)
         if (params) params = withAssignment(*params, assignment);
     }
     if (params && options.seed) params = with(*params, "seed", static_cast<double>(*options.seed));
-    if (params && options.targetStderr) params = withTarget(*params, options);
+    if (params && options.targetStderr) params = with(*params, "reference.stderr", *options.targetStderr);
     if (!params) return params;
     if (const Result<Done> checked = checkTogether(*params); !checked) return checked.error();
     return params;

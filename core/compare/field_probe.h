@@ -3,7 +3,7 @@
 #include "core/field/indirect_field.h"
 #include "core/params/bake_params.h"
 #include "core/trace/final_gather.h"
-#include "core/trace/path_tracer.h"
+#include "core/trace/reference.h"
 #include <functional>
 #include <optional>
 #include <vector>
