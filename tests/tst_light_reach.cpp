@@ -4,6 +4,7 @@
 #include "bake_helpers.h"
 #include "core/scene/scene_builder.h"
 #include "core/trace/light_reach.h"
+#include "core/trace/side_elements.h"
 #include <QTest>
 
 using namespace lightloom;
@@ -88,6 +89,28 @@ private Q_SLOTS:
         };
         expect(ceiling, 16.0, "ceiling");
         expect(behind, 2.0 + double(kGap), "behind the cupboard"); // its back, the wall, the floor between
+    }
+
+    /// The quick refusal must never refuse what a sampled point would have seen before itself.
+    void refusedElementsFaceNothing()
+    {
+        const auto rays = *RayScene::build(share(furnishedRoom()));
+        const SideElements elements(*rays);
+        Rng rng(7, 0, 0);
+        std::uint64_t refused = 0, facing = 0;
+        for (int i = 0; i < 200'000; ++i) {
+            const auto pick = [&] { return static_cast<std::uint32_t>(rng.bits() % elements.count()); };
+            const std::uint32_t element = pick();
+            glm::vec3 p, n, q, m;
+            if (!elements.sample(element, rng, p, n) || !elements.sample(pick(), rng, q, m)) continue;
+            p = rays->leave(p, n), q = rays->leave(q, m);
+            const bool isFacing = glm::dot(q - p, n) > 0.0f && glm::dot(q - p, m) < 0.0f;
+            const bool canFace = elements.canFace(element, q, m);
+            refused += !canFace;
+            facing += isFacing;
+            QVERIFY2(canFace || !isFacing, qPrintable(QString("element %1").arg(element)));
+        }
+        QVERIFY2(refused > 50'000 && facing > 20'000, qPrintable(QString("%1 %2").arg(refused).arg(facing)));
     }
 
     void anyNumberOfThreadsFindsTheSame()

@@ -12,6 +12,7 @@ namespace {
 constexpr std::uint32_t kWalks = 32'768, kWalksPerBlock = 512, kBounces = 8; ///< walks in all, shared by the lamps
 constexpr std::size_t kLooks = 16;          ///< lines of sight that an element tries, half of them nearby
 constexpr std::size_t kNearby = 256;        ///< open points that count as nearby, along the Morton curve
+constexpr std::size_t kFew = 128;           ///< open points that are all tried for facing before any ray
 constexpr std::uint32_t kOpenBounces = 128; ///< a walk out of a narrow gap behind furniture takes many
 constexpr float kFar = std::numeric_limits<float>::infinity();
 
@@ -52,7 +53,7 @@ public:
             for (std::uint32_t e = 0; e < reached_.size(); ++e) {
                 if (!reached_[e]) unreached.push_back(e);
             }
-            const std::vector<Target> targets = sortedAlongCurve(first);
+            const Targets targets = sortedAlongCurve(first);
             first = open_.size();
             constexpr std::size_t kBlock = 64;
             const bool all = collect((unreached.size() + kBlock - 1) / kBlock, workers, stop,
@@ -99,9 +100,12 @@ private:
         }
     }
 
-    struct Target {
-        std::uint64_t code; ///< along the Morton curve: neighbours in the list are neighbours in space, mostly
-        std::uint32_t point;
+    /// Open points in the order of the Morton curve: neighbours in the lists are neighbours in space, mostly. Copies,
+    /// one after another, because they are picked at random a million times.
+    struct Targets {
+        std::vector<std::uint64_t> codes;
+        std::vector<OpenPoint> points;
+        [[nodiscard]] std::size_t size() const { return points.size(); }
     };
 
     [[nodiscard]] std::uint64_t codeOf(glm::vec3 p) const
@@ -111,19 +115,25 @@ private:
         return mortonCode(glm::uvec3(glm::clamp(part, 0.0f, 1.0f) * 65535.0f));
     }
 
-    [[nodiscard]] std::vector<Target> sortedAlongCurve(std::size_t first) const
+    [[nodiscard]] Targets sortedAlongCurve(std::size_t first) const
     {
-        std::vector<Target> targets;
+        std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
         for (std::size_t i = first; i < open_.size(); ++i) {
-            targets.push_back({codeOf(open_[i].p), static_cast<std::uint32_t>(i)});
+            order.emplace_back(codeOf(open_[i].p), static_cast<std::uint32_t>(i));
         }
-        std::ranges::sort(targets, {}, [](const Target& t) { return std::pair(t.code, t.point); });
+        std::ranges::sort(order);
+        Targets targets;
+        for (const auto& [code, i] : order) {
+            targets.codes.push_back(code);
+            targets.points.push_back(open_[i]);
+        }
         return targets;
     }
 
-    void look(std::uint32_t element, std::uint64_t round, const std::vector<Target>& targets,
-              std::vector<OpenPoint>& found) const
+    void look(std::uint32_t element, std::uint64_t round, const Targets& targets, std::vector<OpenPoint>& found) const
     {
+        // late rounds look for a handful of points from tens of thousands of hidden elements that face none of them
+        if (targets.size() <= kFew && !facesAny(element, targets)) return;
         const std::size_t tries = std::min(kLooks, 2 * targets.size());
         for (std::uint64_t i = 0; i < tries; ++i) {
             Rng rng(round, hashName("look around"), (std::uint64_t(element) << 8) + i);
@@ -131,7 +141,7 @@ private:
             if (!elements_.sample(element, rng, here.p, here.n)) continue;
             here.p = rays_.leave(here.p, here.n);
             const std::size_t pick = i % 2 ? rng.bits() % targets.size() : nearby(here.p, targets, rng);
-            const OpenPoint& other = open_[targets[pick].point];
+            const OpenPoint& other = targets.points[pick];
             const glm::vec3 line = other.p - here.p;
             const bool facing = glm::dot(line, here.n) > 0.0f && glm::dot(line, other.n) < 0.0f;
             if (!facing || rays_.isBlocked(here.p, other.p)) continue;
@@ -140,10 +150,16 @@ private:
         }
     }
 
-    [[nodiscard]] std::size_t nearby(glm::vec3 p, const std::vector<Target>& targets, Rng& rng) const
+    [[nodiscard]] bool facesAny(std::uint32_t element, const Targets& targets) const
+    {
+        return std::ranges::any_of(targets.points,
+                                   [&](const OpenPoint& t) { return elements_.canFace(element, t.p, t.n); });
+    }
+
+    [[nodiscard]] std::size_t nearby(glm::vec3 p, const Targets& targets, Rng& rng) const
     {
         const std::size_t window = std::min(kNearby, targets.size());
-        const auto at = std::ranges::lower_bound(targets, codeOf(p), {}, &Target::code) - targets.begin();
+        const auto at = std::ranges::lower_bound(targets.codes, codeOf(p)) - targets.codes.begin();
         const auto low =
             static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, at - static_cast<std::ptrdiff_t>(window / 2)));
         return std::min(low, targets.size() - window) + rng.bits() % window;

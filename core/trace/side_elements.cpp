@@ -204,6 +204,18 @@ bool SideElements::sample(std::uint32_t element, Rng& rng, glm::vec3& p, glm::ve
     return n != glm::vec3(0.0f);
 }
 
+bool SideElements::canFace(std::uint32_t element, glm::vec3 p, glm::vec3 n) const
+{
+    if (!isPart_[element]) return true;
+    const Part& part = parts_[members_[element][0]];
+    const std::uint32_t side = members_[element][1];
+    const glm::vec3 own = rays_.triangleNormal(side / 2) * (side % 2 ? -1.0f : 1.0f);
+    const glm::vec3* corner = corners_.data() + part.firstCorner;
+    if (!(glm::dot(p - corner[0], own) > 0.0f)) return false; // behind the plane it lies in
+    return std::any_of(corner, corner + part.corners,
+                       [&](glm::vec3 c) { return glm::dot(c - p, n) > -2.0f * rays_.offset(); });
+}
+
 std::vector<ReachedFacet> SideElements::facets(const std::function<bool(std::uint32_t)>& isReached) const
 {
     std::vector<ReachedFacet> facets;

@@ -17,6 +17,9 @@ public:
     [[nodiscard]] std::uint32_t of(const Hit& hit) const;
     /// A point on the element and the normal of its side. False: the element has no area.
     [[nodiscard]] bool sample(std::uint32_t element, Rng& rng, glm::vec3& p, glm::vec3& n) const;
+    /// Whether a point of the element, moved off its surface (`RayScene::leave`), can lie before one that faces `n` at
+    /// `p` and see it before itself. Cheap; true where it is not sure, and always for elements of small triangles.
+    [[nodiscard]] bool canFace(std::uint32_t element, glm::vec3 p, glm::vec3 n) const;
     /// Facets of the elements for which `isReached`, in rising order of sides; large triangles that are reached as a
     /// whole stay whole.
     [[nodiscard]] std::vector<ReachedFacet> facets(const std::function<bool(std::uint32_t)>& isReached) const;
