@@ -13,7 +13,7 @@ struct Frame {
 
     explicit Frame(glm::vec3 n) : normal(n)
     {
-        const float sign = std::copysign(1.0f, n.z);
+        const float sign = n.z < 0.0f ? -1.0f : 1.0f; // not copysign: a zero of either sign makes the same frame
         const float a = -1.0f / (sign + n.z), b = n.x * n.y * a;
         tangent = {1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x};
         bitangent = {b, sign + n.y * n.y * a, -n.y};
