@@ -101,4 +101,13 @@ struct CompareCommand {
 };
 int compare(const Context& context, const CompareCommand& command);
 
+struct SweepCommand {
+    std::string scene, method, output, plot;
+    std::vector<std::string> vary;  ///< NAME=VALUES
+    std::string reference = "auto"; ///< or a table
+    std::uint64_t probes = 2000;    ///< points of the reference that is traced
+    BakeOptions options;
+};
+int sweep(const Context& context, const SweepCommand& command);
+
 } // namespace lightloom::cli

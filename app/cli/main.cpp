@@ -4,6 +4,7 @@
 #include "app/cli/commands.h"
 #include "app/cli/interrupt.h"
 #include "app/cli/progress.h"
+#include "app/cli/words.h"
 #include "core/scene/sample_scenes.h"
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -17,49 +18,16 @@
 #include <variant>
 
 using namespace lightloom;
+using cli::named;
+using cli::sizeOf;
+using cli::texts;
+using cli::wholeNumber;
 
 namespace {
-
-template<std::size_t N>
-std::vector<std::string> texts(const std::array<std::string_view, N>& names)
-{
-    return {names.begin(), names.end()};
-}
 
 constexpr std::array<std::string_view, 4> kProgressNames{"auto", "bar", "json", "none"};
 constexpr std::array<std::string_view, 4> kLevelNames{"debug", "info", "warning", "error"};
 constexpr std::array<std::string_view, 3> kErrorMapNames{"relative", "absolute", "signed"};
-constexpr std::uint64_t kMostWhole = 1ull << 53; ///< the largest number that files keep exactly
-
-/// Place of a checked name in the list that its enum follows.
-template<class Enum, std::size_t N>
-Enum named(const std::array<std::string_view, N>& names, std::string_view name)
-{
-    return static_cast<Enum>(std::ranges::find(names, name) - names.begin());
-}
-
-/// CLI11 reads -1 as a huge unsigned number; here only digits will do.
-std::string wholeNumber(const std::string& text)
-{
-    std::uint64_t value = 0;
-    const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
-    const bool isFine = code == std::errc{} && end == text.data() + text.size() && value <= kMostWhole;
-    return isFine ? "" : text + " is not a whole number from 0 to " + std::to_string(kMostWhole);
-}
-
-/// Width and height of "640x480", within what image files may hold.
-std::optional<std::pair<int, int>> sizeOf(const std::string& text)
-{
-    int width = 0, height = 0;
-    const char* end = text.data() + text.size();
-    const auto first = std::from_chars(text.data(), end, width);
-    if (first.ec != std::errc{} || first.ptr == end || *first.ptr != 'x') return {};
-    const auto second = std::from_chars(first.ptr + 1, end, height);
-    if (second.ec != std::errc{} || second.ptr != end) return {};
-    const bool fits = width >= 1 && height >= 1 && width <= 16384 && height <= 16384;
-    if (!fits || std::int64_t{width} * height > 64'000'000) return {};
-    return std::pair(width, height);
-}
 
 /// Everything a command line can hold.
 struct Spoken {
@@ -75,6 +43,7 @@ struct Spoken {
     cli::ProbeCommand probe;
     cli::RenderCommand render;
     cli::CompareCommand compare;
+    cli::SweepCommand sweep;
 };
 
 class CommandLine {
@@ -92,6 +61,7 @@ public:
         addProbe();
         addRender();
         addCompare();
+        addSweep();
         addParams();
         addMakeScene();
     }
@@ -274,6 +244,30 @@ private:
             ->option_text("EV");
         addBakeOptions(*command);
         addOutput(*command, "IMAGE.exr (cd/m2; layers direct and indirect) or IMAGE.png")->required();
+    }
+
+    void addSweep()
+    {
+        cli::SweepCommand& c = spoken_.sweep;
+        CLI::App* command = addSceneCommand("sweep", "Cost and error of a method over parameters", [this] {
+            spoken_.sweep.scene = spoken_.scene;
+            spoken_.sweep.output = spoken_.output;
+            spoken_.sweep.options = bakeOptions();
+            return cli::sweep(spoken_.context, spoken_.sweep);
+        });
+        addMethod(*command, c.method);
+        command
+            ->add_option("--vary", c.vary, "A parameter and its values: V1,V2, a..b:step, a..b*factor. May be repeated")
+            ->allow_extra_args(false)
+            ->option_text("NAME=VALUES");
+        command->add_option("--reference", c.reference, "A table with points, or auto: traced and kept with the scene")
+            ->option_text("REF.csv|auto");
+        command->add_option("--probes", c.probes, "Points of --reference auto, 2000 without")
+            ->check(wholeNumber)
+            ->option_text("N");
+        command->add_option("--plot", c.plot, "Error over cost as a picture")->option_text("OUT.svg");
+        addBakeOptions(*command);
+        addOutput(*command, "SWEEP.csv; rows it holds already are not made again")->required();
     }
 
     void addParams()

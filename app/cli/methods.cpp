@@ -2,23 +2,17 @@
 #include "app/cli/methods.h"
 #include "app/cli/progress.h"
 #include "core/bake/bake_file.h"
+#include "core/bake/solver_for.h"
+#include "core/base/memory_use.h"
 #include "core/octree/light_octree.h"
-#include "core/octree/octree_solver.h"
 #include "core/photonmap/photon_map_solver.h"
 #include "core/photonmap/photon_products.h"
 #include "core/scene/gltf_reader.h"
 #include <chrono>
 #include <fmt/format.h>
-#include <unistd.h>
 
 namespace lightloom::cli {
 namespace {
-
-std::unique_ptr<Solver> solverOf(Method method)
-{
-    if (method == Method::lightOctree) return std::make_unique<OctreeSolver>();
-    return std::make_unique<PhotonMapSolver>();
-}
 
 /// Runs the method's solver on the scene as it is (all lamps on) and keeps its last field.
 Result<Done> bakeNow(const Context& context, const LightingRequest& request, double share, Lighting& lighting)
@@ -31,7 +25,7 @@ Result<Done> bakeNow(const Context& context, const LightingRequest& request, dou
     sinks.publish = [&](const Snapshot& snapshot) { lighting.field = snapshot.field; };
     sinks.progress = [&](const Progress& p) { context.report->progress(stageName(p.stage), share * p.fraction); };
     BakeControl control(*context.workers, std::move(sinks), context.stop);
-    const Result<Done> baked = solverOf(lighting.method)->bake(job, products, control);
+    const Result<Done> baked = solverFor(lighting.method)->bake(job, products, control);
     if (!baked) return baked.error();
     lighting.bakeSeconds = control.elapsedMs() / 1000.0;
     const Result<SceneProducts> kept = sceneProducts(job, products, control); // finds what the solver left
@@ -143,7 +137,7 @@ Result<Lighting> prepareLighting(const Context& context, const LightingRequest& 
     lighting.method = *method;
     lighting.params = *params;
     if (*method == Method::reference) makeRoomForTarget(lighting.params, request.options);
-    if (*method == Method::lightOctree || *method == Method::photonMap) {
+    if (solverFor(*method)) {
         const Result<Done> baked = bakeNow(context, request, bakeShare, lighting);
         if (!baked) return baked.error();
         return lighting;
@@ -162,7 +156,7 @@ int failUsage(const Error& error)
 
 Result<Done> checkFits(double bytes, const std::string& what, const std::string& wayOut)
 {
-    const double have = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+    const double have = machineMemoryBytes();
     if (bytes <= 0.9 * have) return Done{};
     return Error{Error::Kind::outOfMemory, fmt::format("{} needs about {:.1f} GiB, this machine has {:.1f}; {}", what,
                                                        bytes / (1 << 30), have / (1 << 30), wayOut)};

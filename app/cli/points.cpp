@@ -2,8 +2,7 @@
 #include "app/cli/methods.h"
 #include "app/cli/progress.h"
 #include "core/base/atomic_file.h"
-#include "core/compare/probes.h"
-#include "core/trace/light_reach.h"
+#include "core/compare/judge.h"
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -24,10 +23,7 @@ int points(const Context& context, const std::string& scene, std::uint64_t count
     const auto reach = LightReach::find(*lit->rays, *lit->lights, *context.workers, context.stop);
     if (!reach) return fail({Error::Kind::cancelled, "interrupted; no points were written"});
 
-    std::vector<ProbeRow> rows;
-    for (const SurfacePoint& point : samplePoints(*lit->rays, *lit->lights, *reach, count, seed)) {
-        rows.push_back({lit->scene->toFile(point.position), glm::dvec3(point.normal)});
-    }
+    const std::vector<ProbeRow> rows = probeRows({lit->rays, lit->lights, reach, {}}, count, seed);
     if (rows.size() < count) {
         return fail({Error::Kind::badInput, fmt::format("{}: no surface has an area that light can reach", scene)});
     }

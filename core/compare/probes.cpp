@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/compare/probes.h"
 #include "core/base/atomic_file.h"
+#include "core/compare/csv_text.h"
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -17,71 +17,12 @@ constexpr std::string_view kLightHeader = "direct_r,direct_g,direct_b,indirect_r
 constexpr std::string_view kErrorHeader = "stderr_r,stderr_g,stderr_b";
 constexpr std::string_view kIncomplete = "# incomplete";
 
-Error badLine(std::size_t line, std::string what)
-{
-    return {Error::Kind::badInput, fmt::format("line {}: {}", line, what)};
-}
-
-/// What a user sees of a cell that may hold anything.
-std::string shown(std::string_view cell)
-{
-    std::string text(cell.substr(0, 24));
-    std::ranges::replace_if(
-        text, [](unsigned char c) { return c < 0x20 || c == 0x7F; }, '?');
-    return text.empty() ? "nothing" : '"' + text + '"';
-}
-
-std::string_view trimmed(std::string_view cell)
-{
-    const auto isSpace = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
-    while (!cell.empty() && isSpace(cell.front())) cell.remove_prefix(1);
-    while (!cell.empty() && isSpace(cell.back())) cell.remove_suffix(1);
-    return cell;
-}
-
-std::vector<std::string_view> cellsOf(std::string_view line)
-{
-    std::vector<std::string_view> cells;
-    while (true) {
-        const std::size_t comma = line.find(',');
-        cells.push_back(trimmed(line.substr(0, comma)));
-        if (comma == std::string_view::npos) return cells;
-        line.remove_prefix(comma + 1);
-    }
-}
-
-/// Walks a table line by line; blank lines are allowed at the end only, where editors leave them.
-class Lines {
-public:
-    explicit Lines(std::string_view text) : rest_(text)
-    {
-        if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3); // spreadsheets put this in front of UTF-8
-        while (!rest_.empty() && (rest_.back() == '\n' || rest_.back() == '\r' || rest_.back() == ' ')) {
-            rest_.remove_suffix(1);
-        }
-    }
-    bool next(std::string_view& line)
-    {
-        if (rest_.empty()) return false;
-        const std::size_t end = rest_.find('\n');
-        line = trimmed(rest_.substr(0, end));
-        rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
-        ++number_;
-        return true;
-    }
-    [[nodiscard]] std::size_t number() const { return number_; } ///< of the line that came last, from 1
-
-private:
-    std::string_view rest_;
-    std::size_t number_ = 0;
-};
-
 /// The finite numbers of one row, as many as the header has columns.
 Result<Done> numbersOf(std::string_view line, std::size_t number, std::span<const std::string_view> columns,
                        std::vector<double>& values)
 {
     if (line.starts_with(kIncomplete)) {
-        return badLine(number, fmt::format("the table is marked as interrupted ({}); make it again", shown(line)));
+        return badLine(number, fmt::format("the table is marked as interrupted ({}); make it again", shownCell(line)));
     }
     const std::vector<std::string_view> cells = cellsOf(line);
     if (cells.size() != columns.size()) {
@@ -89,10 +30,9 @@ Result<Done> numbersOf(std::string_view line, std::size_t number, std::span<cons
     }
     values.resize(cells.size());
     for (std::size_t i = 0; i < cells.size(); ++i) {
-        const char* end = cells[i].data() + cells[i].size();
-        const auto [stop, code] = std::from_chars(cells[i].data(), end, values[i]);
-        if (code != std::errc{} || stop != end || !std::isfinite(values[i])) {
-            return badLine(number, fmt::format("{} should be a finite number, it is {}", columns[i], shown(cells[i])));
+        if (!parseNumber(cells[i], values[i])) {
+            return badLine(number,
+                           fmt::format("{} should be a finite number, it is {}", columns[i], shownCell(cells[i])));
         }
     }
     return Done{};
@@ -141,11 +81,11 @@ struct Triple {
 
 Result<std::vector<ProbeRow>> parsePoints(std::string_view csv)
 {
-    Lines lines(csv);
+    CsvLines lines(csv);
     std::string_view line;
     const std::vector<std::string_view> columns = cellsOf(kPointsHeader);
     if (!lines.next(line) || cellsOf(line) != columns) {
-        return badLine(1, fmt::format("expected the header {}, found {}", kPointsHeader, shown(line)));
+        return badLine(1, fmt::format("expected the header {}, found {}", kPointsHeader, shownCell(line)));
     }
     std::vector<ProbeRow> rows;
     std::vector<double> v;
@@ -202,7 +142,7 @@ std::string resultText(const ProbeTable& table, std::optional<std::size_t> wante
 
 Result<ProbeTable> parseResult(std::string_view csv)
 {
-    Lines lines(csv);
+    CsvLines lines(csv);
     std::string_view line;
     if (!lines.next(line)) return badLine(1, "the table is empty");
     const std::vector<std::string_view> header = cellsOf(line);
@@ -211,7 +151,7 @@ Result<ProbeTable> parseResult(std::string_view csv)
     const Triple indirect(header, {"indirect_r", "indirect_g", "indirect_b"});
     const Triple error(header, {"stderr_r", "stderr_g", "stderr_b"});
     if (!direct.isThere() || !indirect.isThere()) {
-        return badLine(1, fmt::format("expected a header with {}, found {}", kLightHeader, shown(line)));
+        return badLine(1, fmt::format("expected a header with {}, found {}", kLightHeader, shownCell(line)));
     }
     ProbeTable table;
     std::vector<double> row;

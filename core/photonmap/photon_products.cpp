@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/photonmap/photon_products.h"
+#include "core/base/memory_use.h"
 #include "core/params/param_text.h"
 #include <fmt/format.h>
-#include <unistd.h>
 
 namespace lightloom {
 
@@ -35,21 +35,21 @@ Result<SceneProducts> sceneProducts(const BakeJob& job, BakeProducts& products, 
     return result;
 }
 
-namespace {
-
-/// What photons of a bake take: two to three are stored per photon shot, each in the list and in the tree.
-Result<Done> checkMemory(const BakeJob& job, int groupsOn)
+Result<Done> checkPhotonsFit(const BakeJob& job)
 {
+    int on = 0;
+    for (int g = 0; g < static_cast<int>(job.scene->groups.size()); ++g) on += isOff(job.mix, g) ? 0 : 1;
+    // two to three are stored per photon shot, each in the list and in the tree
     const double perPhoton = 2.5 * static_cast<double>(2 * sizeof(Photon) + 32);
-    const double wanted = perPhoton * job.params.photonCount * groupsOn;
-    const double have =
-        0.9 * static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+    const double wanted = perPhoton * job.params.photonCount * on, have = 0.9 * machineMemoryBytes();
     if (wanted <= have) return Done{};
     return Error{Error::Kind::outOfMemory,
                  fmt::format("{} photons for each of {} light groups need about {:.1f} GiB, this machine has {:.1f}; "
                              "lower photons",
-                             job.params.photonCount, groupsOn, wanted / (1 << 30), have / (1 << 30))};
+                             job.params.photonCount, on, wanted / (1 << 30), have / (1 << 30))};
 }
+
+namespace {
 
 std::shared_ptr<const PhotonPaths> paths(const BakeJob& job, const SceneProducts& scene, int group,
                                          const std::string& key, BakeProducts& products, BakeControl& control,
@@ -85,7 +85,7 @@ Result<PhotonProducts> photonProducts(const BakeJob& job, BakeProducts& products
     const int groups = static_cast<int>(job.scene->groups.size());
     int on = 0;
     for (int g = 0; g < groups; ++g) on += isOff(job.mix, g) ? 0 : 1;
-    if (const Result<Done> fits = checkMemory(job, on); !fits) return fits.error();
+    if (const Result<Done> fits = checkPhotonsFit(job); !fits) return fits.error();
 
     control.progress(Stage::shoot, 0.0);
     Result<SceneProducts> scene = sceneProducts(job, products, control);

@@ -16,6 +16,9 @@ struct PhotonProducts {
 /// Ray scene, lamps and reach of the job's scene.
 [[nodiscard]] Result<SceneProducts> sceneProducts(const BakeJob& job, BakeProducts& products, BakeControl& control);
 
+/// Error out of memory if the job's photons would not fit into this machine, with the figure.
+[[nodiscard]] Result<Done> checkPhotonsFit(const BakeJob& job);
+
 /// The above, and photons with their trees for each lamp that is on. Shot once per (scene, group, seed, count),
 /// whatever method asks. Tells progress from 0 to `share` of the bake. Error out of memory is given before shooting.
 [[nodiscard]] Result<PhotonProducts> photonProducts(const BakeJob& job, BakeProducts& products, BakeControl& control,
