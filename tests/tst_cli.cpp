@@ -350,7 +350,13 @@ private Q_SLOTS:
         const Ran exr = run(cached + QStringList{"-o", at("a.exr"), "--json", "--camera", "0"});
         QVERIFY2(exr.code == 0, qPrintable(exr.text()));
         QCOMPARE(nlohmann::json::parse(exr.out.toStdString())["width"].get<int>(), 64);
-        QVERIFY(run(words + QStringList{"--method", "reference", "-o", at("b.exr")}).code == 0);
+        QVERIFY(run(words + QStringList{"--method", "reference", "--no-cache", "-o", at("b.exr")}).code == 0);
+        QVERIFY(contents(at("b.exr")).contains("stderr.R") && !contents(at("a.exr")).contains("stderr.R"));
+        const Ran target = run({"render", kScene, "--method", "reference", "--size", "16x12", "--target-stderr", "0.2",
+                                "--no-cache", "--json", "-o", at("t.exr")});
+        QVERIFY2(target.code == 0, qPrintable(target.text()));
+        QVERIFY2(nlohmann::json::parse(target.out.toStdString())["relative_standard_error"].get<double>() <= 0.2,
+                 qPrintable(target.text()));
         QVERIFY(run(cached + QStringList{"-o", at("a.png"), "--ev", "4"}).code == 0);
         QVERIFY(contents(at("a.exr")).contains("lightloom.photons"));
         QVERIFY(contents(at("a.png")).contains("lightloom.method"));

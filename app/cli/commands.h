@@ -89,6 +89,7 @@ struct RenderCommand {
     int width = 800, height = 600;
     std::optional<int> samplesPerPixel;
     std::optional<float> ev; ///< exposure of a .png; else the scene's, else one that suits the picture
+    CacheUse cache{};
     BakeOptions options;
 };
 int render(const Context& context, const RenderCommand& command);

@@ -129,7 +129,7 @@ Result<Pair> renderBake(const Context& context, const CompareCommand& command, b
     const ViewJob job = viewJob(*lighting, *camera, size.width, size.height);
     View view = renderView(*lit.rays, *lit.lights, {}, lighting->field.get(), job, *context.workers, context.stop,
                            [&](double f) { context.report->progress("render", f); });
-    if (view.samples < job.samples) return Error{Error::Kind::cancelled, "interrupted before the picture was done"};
+    if (!view.isWhole) return Error{Error::Kind::cancelled, "interrupted before the picture was done"};
     LayeredImage seen;
     seen.layers.push_back({"", wholeView(view)});
     seen.layers.push_back({"indirect", std::move(view.indirect)});

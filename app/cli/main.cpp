@@ -242,6 +242,7 @@ private:
         command->add_option("--ev", r.ev, "Exposure value of a .png; the scene's own without")
             ->check(CLI::Range(-100.0f, 100.0f))
             ->option_text("EV");
+        addCache(*command, r.cache);
         addBakeOptions(*command);
         addOutput(*command, "IMAGE.exr (cd/m2; layers direct and indirect) or IMAGE.png")->required();
     }

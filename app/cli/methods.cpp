@@ -148,6 +148,11 @@ Result<Lighting> prepareLighting(const Context& context, const LightingRequest& 
     return lighting;
 }
 
+ReferenceStore storeOf(const Context& context, const std::string& scene, const CacheUse& cache)
+{
+    return cache.isUsed ? ReferenceStore(scene, context.log, cache.resume) : ReferenceStore();
+}
+
 int failUsage(const Error& error)
 {
     logLine(LogLevel::error, error.message);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "app/cli/commands.h"
+#include "core/compare/reference_store.h"
 #include "core/field/bake_products.h"
 #include "core/field/indirect_field.h"
 
@@ -41,6 +42,9 @@ struct LightingRequest {
 /// render.samples). Errors: also a bake of another scene or method.
 [[nodiscard]] Result<Lighting> prepareLighting(const Context& context, const LightingRequest& request,
                                                double bakeShare);
+
+/// References of the scene's file, as the command line wants them used.
+[[nodiscard]] ReferenceStore storeOf(const Context& context, const std::string& scene, const CacheUse& cache);
 
 /// Prints `error` and gives the exit code of wrong usage.
 int failUsage(const Error& error);

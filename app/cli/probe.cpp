@@ -5,7 +5,6 @@
 #include "core/compare/field_probe.h"
 #include "core/compare/image_error.h"
 #include "core/compare/probes.h"
-#include "core/compare/reference_store.h"
 #include <atomic>
 #include <chrono>
 #include <fmt/format.h>
@@ -139,8 +138,7 @@ int probe(const Context& context, const ProbeCommand& command)
     if (!lighting) return fail(lighting.error());
     std::vector<ProbePoint> points;
     for (const ProbeRow& row : *rows) points.push_back(inScene(*lighting->lit.scene, row));
-    const ReferenceStore store =
-        command.cache.isUsed ? ReferenceStore(command.scene, context.log, command.cache.resume) : ReferenceStore();
+    const ReferenceStore store = storeOf(context, command.scene, command.cache);
     const ProbeTable table = lighting->method == Method::reference
                                  ? byReference(context, store, *lighting, *rows, points)
                                  : byField(context, *lighting, *rows, points);

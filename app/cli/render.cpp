@@ -2,6 +2,8 @@
 #include "app/cli/progress.h"
 #include "app/cli/view.h"
 #include "core/base/image_file.h"
+#include "core/compare/image_error.h"
+#include "core/compare/reference_store.h"
 #include "core/params/param_text.h"
 #include <chrono>
 #include <filesystem>
@@ -14,7 +16,7 @@ namespace {
 constexpr double kBakeShare = 0.5;
 
 /// Everything the picture depends on, for the file's header: no time and no place, equal pictures are equal files.
-ImageNotes notesOf(const Lighting& lighting, const ViewJob& job, float ev, bool isWhole, int samples)
+ImageNotes notesOf(const Lighting& lighting, const ViewJob& job, float ev, const std::string& howFar)
 {
     ImageNotes notes{{"lightloom.version", LIGHTLOOM_VERSION},
                      {"lightloom.method", std::string(methodName(lighting.method))},
@@ -27,13 +29,49 @@ ImageNotes notesOf(const Lighting& lighting, const ViewJob& job, float ev, bool 
         const bool counts = (spec.methods & (1u << static_cast<unsigned>(lighting.method))) != 0;
         if (counts) notes.emplace_back(fmt::format("lightloom.{}", spec.key), paramText(lighting.params, spec));
     }
-    if (!isWhole) {
-        notes.emplace_back("lightloom.incomplete", fmt::format("{} of {} samples per pixel", samples, job.samples));
-    }
+    if (!howFar.empty()) notes.emplace_back("lightloom.incomplete", howFar);
     return notes;
 }
 
-Result<Done> writePicture(const std::string& output, bool isExr, View view, float ev, const ImageNotes& notes)
+/// What a picture that was interrupted has; "" for a whole one.
+std::string howFar(const View& view, const ViewJob& job)
+{
+    if (view.isWhole) return {};
+    if (job.targetError == 0.0f) return fmt::format("{} of {} samples per pixel", view.samples, job.samples);
+    const auto isDone = [](glm::vec3 error) { return error != glm::vec3(0.0f); };
+    return fmt::format("{} of {} pixels are done", std::ranges::count_if(view.standardError.pixels, isDone),
+                       view.standardError.pixels.size());
+}
+
+/// The reference from disk where it is kept, any other method rendered now.
+View renderNow(const Context& context, const RenderCommand& command, const Lighting& lighting, const ViewJob& job)
+{
+    const double from = lighting.bakeSeconds > 0 ? kBakeShare : 0.0;
+    const auto progress = [&](double f) { context.report->progress("render", from + (1.0 - from) * f); };
+    const LitScene& lit = lighting.lit;
+    if (lighting.method != Method::reference) {
+        return renderView(*lit.rays, *lit.lights, {}, lighting.field.get(), job, *context.workers, context.stop,
+                          progress);
+    }
+    const ReferenceStore store = storeOf(context, command.scene, command.cache);
+    KeptView kept = store.picture(*lit.rays, *lit.lights, {}, job, ReferenceMatch::sameBits, *context.workers,
+                                  context.stop, progress);
+    const View& view = kept.result;
+    if (kept.wasStored) log(context.log, LogLevel::info, fmt::format("from {}", kept.file.string()));
+    if (kept.resumed > 0) {
+        log(context.log, LogLevel::info,
+            fmt::format("{} of {} camera rays were traced before", kept.resumed, view.rays));
+    }
+    if (view.capped > 0) {
+        log(context.log, LogLevel::warning,
+            fmt::format("{} of {} pixels used all {} samples before they met the target; raise --spp", view.capped,
+                        view.direct.pixels.size(), job.samples));
+    }
+    return std::move(kept.result);
+}
+
+Result<Done> writePicture(const std::string& output, bool isExr, View view, bool withErrors, float ev,
+                          const ImageNotes& notes)
 {
     FloatImage whole = wholeView(view);
     if (!isExr) return writePng(output, onScreen(whole, ev), notes);
@@ -41,8 +79,17 @@ Result<Done> writePicture(const std::string& output, bool isExr, View view, floa
     image.layers.push_back({"", std::move(whole)});
     image.layers.push_back({"direct", std::move(view.direct)});
     image.layers.push_back({"indirect", std::move(view.indirect)});
+    if (withErrors) image.layers.push_back({"stderr", std::move(view.standardError)});
     image.notes = notes;
     return writeExr(output, image);
+}
+
+/// Root mean square of the standard errors over the mean, of luminances: what is left of noise.
+double meanError(const View& view)
+{
+    double mean = 0.0;
+    for (const double l : luminances(wholeView(view).pixels)) mean += l;
+    return relativeNoise(view.standardError.pixels, mean / static_cast<double>(view.direct.pixels.size()));
 }
 
 Result<bool> isExrName(const std::string& output)
@@ -57,7 +104,7 @@ Result<bool> isExrName(const std::string& output)
 
 int render(const Context& context, const RenderCommand& command)
 {
-    LightingRequest request{command.scene, command.method, command.bakeFile, command.options};
+    LightingRequest request{command.scene, command.method, command.bakeFile, command.options, command.cache};
     if (command.samplesPerPixel) {
         request.options.set.push_back(fmt::format("render.samples={}", *command.samplesPerPixel));
     }
@@ -66,9 +113,9 @@ int render(const Context& context, const RenderCommand& command)
     if (!isExr) return failUsage(isExr.error());
     if (const Result<Done> fine = checkOutput(command.output); !fine) return failWriting(fine.error());
     const double pixels =
-        static_cast<double>(command.width) * command.height; // sums, layers and the file: 140 bytes each
+        static_cast<double>(command.width) * command.height; // sums, layers and the files: 300 bytes each
     const Result<Done> fits = checkFits(
-        140.0 * pixels, fmt::format("a picture of {} x {}", command.width, command.height), "make it smaller");
+        300.0 * pixels, fmt::format("a picture of {} x {}", command.width, command.height), "make it smaller");
     if (!fits) return fail(fits.error());
 
     const auto began = std::chrono::steady_clock::now();
@@ -80,23 +127,21 @@ int render(const Context& context, const RenderCommand& command)
     if (!camera) return fail(camera.error());
 
     const ViewJob job = viewJob(*lighting, *camera, command.width, command.height);
-    const double from = lighting->bakeSeconds > 0 ? kBakeShare : 0.0;
-    View view =
-        renderView(*lighting->lit.rays, *lighting->lit.lights, {}, lighting->field.get(), job, *context.workers,
-                   context.stop, [&](double f) { context.report->progress("render", from + (1.0 - from) * f); });
-    const bool isWhole = view.samples == job.samples;
-    if (!isWhole && view.samples == 0) {
+    View view = renderNow(context, command, *lighting, job);
+    const std::string part = howFar(view, job);
+    if (view.rays == 0 || (!view.isWhole && view.samples == 0 && job.targetError == 0.0f)) {
         return fail({Error::Kind::cancelled, "interrupted before every pixel had a sample; nothing was written"});
     }
-    const int samples = view.samples;
     const float ev = command.ev ? *command.ev : scene.exposureEv ? *scene.exposureEv : suitingEv(wholeView(view));
+    const double rays = static_cast<double>(view.rays), error = meanError(view);
     const Result<Done> written =
-        writePicture(command.output, *isExr, std::move(view), ev, notesOf(*lighting, job, ev, isWhole, samples));
+        writePicture(command.output, *isExr, std::move(view), lighting->method == Method::reference, ev,
+                     notesOf(*lighting, job, ev, part));
     if (!written) return failWriting(written.error());
-    if (!isWhole) {
-        return fail({Error::Kind::cancelled, fmt::format("interrupted; {} has {} of {} samples per pixel and is marked "
-                                                         "as incomplete",
-                                                         command.output, samples, job.samples)});
+    if (!part.empty()) {
+        const bool canResume = lighting->method == Method::reference && command.cache.isUsed;
+        return fail({Error::Kind::cancelled, fmt::format("interrupted: {}{}; {} holds this, marked as incomplete", part,
+                                                         canResume ? " (--resume goes on)" : "", command.output)});
     }
     if (context.json) {
         const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - began;
@@ -104,7 +149,8 @@ int render(const Context& context, const RenderCommand& command)
                                   {"camera", job.camera.name},
                                   {"width", job.width},
                                   {"height", job.height},
-                                  {"samples", samples},
+                                  {"samples", rays / (static_cast<double>(job.width) * job.height)},
+                                  {"relative_standard_error", error},
                                   {"exposure_ev", ev},
                                   {"seconds", seconds.count()},
                                   {"bake_seconds", lighting->bakeSeconds},

@@ -52,6 +52,7 @@ ViewJob viewJob(const Lighting& lighting, const Camera& camera, int width, int h
                    : lighting.method == Method::reference ? ViewJob::Indirect::paths
                                                           : ViewJob::Indirect::none;
     job.samples = p.pixelSamples;
+    if (job.indirect == ViewJob::Indirect::paths) job.targetError = p.referenceStderr;
     job.directSamples = p.directSamples;
     job.gatherRays = p.probeRays;
     job.pathDepth = p.pathDepth;

@@ -14,28 +14,61 @@ struct ViewJob {
     Camera camera;
     int width = 800, height = 600; ///< pixels
     Indirect indirect = Indirect::none;
-    int samples = 16;       ///< camera rays per pixel
+    int samples = 16;       ///< camera rays per pixel; with a target, at most so many, in whole batches of 4
+    float targetError = 0;  ///< work on each block of 4 x 4 pixels until the root mean square of its standard errors is
+                            ///< expected at this fraction of the picture's mean luminance (lamps in view left out);
+                            ///< 0: use all samples
     int directSamples = 64; ///< shadow rays per surface emitter and pixel, spread over the camera rays
     int gatherRays = 256;   ///< per pixel, the same, where the field has no answer
-    int pathDepth = 64;
+    int pathDepth = 1024;
     std::uint64_t seed = 1;
 };
 
-/// Radiance towards the camera, cd/m2. Both layers add up to the picture.
+/// Radiance towards the camera, cd/m2. `direct` and `indirect` add up to the picture.
 struct View {
-    FloatImage direct;   ///< emitters, and light that comes straight from them; mirrors on the way do not count
-    FloatImage indirect; ///< all the rest
-    int samples = 0;     ///< camera rays every pixel has; fewer than asked after a stop
+    FloatImage direct;        ///< emitters, and light that comes straight from them; mirrors on the way do not count
+    FloatImage indirect;      ///< all the rest
+    FloatImage standardError; ///< of direct + indirect, from the spread of batches: rough where there are few
+    int samples = 0;          ///< camera rays every pixel has
+    bool isWhole = false;     ///< every pixel is as was asked; false after a stop
+    std::uint64_t rays = 0;   ///< camera rays, over all pixels
+    std::uint64_t capped = 0; ///< pixels that used all samples before they met the target
+};
+
+/// What a pixel has taken in so far.
+struct PixelSums {
+    glm::dvec3 direct{0.0}, indirect{0.0}; ///< sums over its samples
+    glm::dvec3 squares{0.0}, open{0.0};    ///< of its whole batches' means; sum of the batch that is not whole yet
+    std::uint64_t samples = 0;
+};
+/// What a pixel is done with.
+struct PixelLight {
+    glm::vec3 direct{0.0f}, indirect{0.0f}, error{0.0f};
+    std::uint32_t samples = 0; ///< 0: not done
+};
+/// All that a run has found so far. Plain data: kept in files, and gone on with to the same bits.
+struct ViewState {
+    std::vector<PixelSums> pixels; ///< of a job without a target, rows from the top
+    std::vector<PixelLight> ended; ///< of a job with one
 };
 
 /// Camera rays start at the camera's near plane; outside the scene is black. Seen directly or in mirrors, a surface
 /// shows emission + diffuse / pi * (direct + indirect illuminance) + what its glossy lobe reflects (one sampled ray,
-/// beside exact direct light). `field` is needed for Indirect::field alone. Pixel p's sample i draws from stream
-/// (seed, p, i): the same bits on any number of threads. A stop is seen within a tile's row; pixels are then as fine
-/// as they got.
+/// beside exact direct light). `field` is needed for Indirect::field alone. Pixel p's batch b draws from stream
+/// (seed, p, b): the same bits on any number of threads. With a target the number of batches is chosen without bias
+/// (CrossedMean). A stop is seen within a row or a batch; without a target all pixels are then equally fine, with one
+/// those that were not begun show a first rough look.
 [[nodiscard]] View renderView(const RayScene& rays, const LightSampler& lights, const Mix& mix,
                               const IndirectField* field, const ViewJob& job, Workers& workers,
                               const std::stop_token& stop, const std::function<void(double fraction)>& progress = {});
+
+/// The same, going on from `state`: empty, or what a stopped run of this job left. The end is the same, to the bit.
+[[nodiscard]] View continueView(const RayScene& rays, const LightSampler& lights, const Mix& mix,
+                                const IndirectField* field, const ViewJob& job, ViewState& state, Workers& workers,
+                                const std::stop_token& stop, const std::function<void(double fraction)>& progress = {});
+
+/// The picture of pixels that are done; those with no samples are black.
+[[nodiscard]] View viewOf(const ViewJob& job, const std::vector<PixelLight>& pixels);
 
 /// direct + indirect.
 [[nodiscard]] FloatImage wholeView(const View& view);

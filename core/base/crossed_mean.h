@@ -29,18 +29,27 @@ public:
     template<class IsEnough>
     void look(IsEnough isEnough)
     {
-        if (!isEven() || !isLook(chains_[0].count())) return;
-        for (int c = 0; c < 2; ++c) {
-            Chain &judge = chains_[static_cast<std::size_t>(c)], &judged = chains_[static_cast<std::size_t>(1 - c)];
-            if (judged.isEnded) continue;
-            Values errors;
-            for (std::size_t k = 0; k < K; ++k) errors[k] = judge.seen[k].standardError() * kHalfRoot;
-            if (!isEnough(errors)) continue;
-            judged.used = judged.seen;
-            judged.isEnded = 1;
+        if (!isLookDue()) return;
+        for (int chain = 0; chain < 2; ++chain) {
+            if (!isEnded(chain) && isEnough(foretold(1 - chain))) end(chain);
         }
     }
-    [[nodiscard]] bool isEnded() const { return chains_[0].isEnded && chains_[1].isEnded; }
+    /// The same by hand, for decisions that several means take together.
+    [[nodiscard]] bool isLookDue() const { return isEven() && isLook(chains_[0].count()); }
+    [[nodiscard]] Values foretold(int chain) const
+    {
+        Values errors;
+        for (std::size_t k = 0; k < K; ++k) errors[k] = at(chain).seen[k].standardError() * kHalfRoot;
+        return errors;
+    }
+    void end(int chain)
+    {
+        Chain& c = chains_[static_cast<std::size_t>(chain)];
+        c.used = c.seen;
+        c.isEnded = 1;
+    }
+    [[nodiscard]] bool isEnded(int chain) const { return at(chain).isEnded != 0; }
+    [[nodiscard]] bool isEnded() const { return isEnded(0) && isEnded(1); }
 
     [[nodiscard]] double mean(std::size_t k) const
     {
@@ -62,6 +71,7 @@ private:
         std::uint64_t isEnded = 0;             // a whole word: no padding, files of it are the same bytes
         [[nodiscard]] std::uint64_t count() const { return seen[0].count(); }
     };
+    [[nodiscard]] const Chain& at(int chain) const { return chains_[static_cast<std::size_t>(chain)]; }
     [[nodiscard]] bool isEven() const { return chains_[0].count() == chains_[1].count(); }
     /// 8, 10, 12, 15, 18, 22, ...
     static bool isLook(std::uint64_t count)
@@ -70,15 +80,14 @@ private:
         while (at < count) at += at / 4;
         return at == count;
     }
-    [[nodiscard]] const RunningMean& used(std::size_t chain, std::size_t k) const
+    [[nodiscard]] const RunningMean& used(int chain, std::size_t k) const
     {
-        const Chain& c = chains_[chain];
-        return c.isEnded ? c.used[k] : c.seen[k];
+        return isEnded(chain) ? at(chain).used[k] : at(chain).seen[k];
     }
     /// Every batch counts alike: so long as nothing has ended, or both chains are as long.
     [[nodiscard]] bool isAlike() const
     {
-        return (!chains_[0].isEnded && !chains_[1].isEnded) || used(0, 0).count() == used(1, 0).count();
+        return (!isEnded(0) && !isEnded(1)) || used(0, 0).count() == used(1, 0).count();
     }
     [[nodiscard]] RunningMean joined(std::size_t k) const
     {

@@ -1,87 +1,84 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/compare/reference_store.h"
-#include "core/base/atomic_file.h"
 #include "core/base/byte_stream.h"
 #include "core/base/units.h"
-#include <cstdlib>
+#include <cassert>
 #include <fmt/format.h>
-#include <unistd.h>
 
 namespace lightloom {
 namespace fs = std::filesystem;
 
 namespace {
 
-/// Rises whenever the reference computes another number, or the file's form changes: older entries are then not found.
-constexpr std::uint32_t kVersion = 1;
+/// Rises whenever the reference computes another number, or a file's form changes: older entries are then not found.
+constexpr std::uint32_t kVersion = 2;
 constexpr std::string_view kMagic = "LLREF\n";
-constexpr std::string_view kExtension = ".llref";
-constexpr std::uint64_t kMostFileBytes = 1ull << 30, kMostFolderBytes = 1ull << 30;
 
 /// Everything that all jobs of one question share. Two references with one key differ in how long they were traced.
-Sha256::Digest keyOf(const RayScene& rays, const Mix& mix, const std::vector<ProbePoint>& points,
-                     const ReferenceJob& job)
-{
-    Sha256 sum;
-    sum.add(kVersion);
-    const Sha256::Digest scene = sceneHash(rays.scene());
-    sum.add(scene.data(), scene.size());
-    sum.add(std::string(rays.isaName()));
-    for (std::size_t g = 0; g < rays.scene().groups.size(); ++g) {
-        const glm::vec3 gain = gainOf(mix, static_cast<int>(g));
-        sum.add(gain.x).add(gain.y).add(gain.z);
+class Key {
+public:
+    Key(std::string kind, const RayScene& rays, const Mix& mix) : kind_(std::move(kind))
+    {
+        sum_.add(kVersion);
+        const Sha256::Digest scene = sceneHash(rays.scene());
+        sum_.add(scene.data(), scene.size());
+        sum_.add(std::string(rays.isaName()));
+        for (std::size_t g = 0; g < rays.scene().groups.size(); ++g) add(gainOf(mix, static_cast<int>(g)));
     }
-    sum.add(job.seed).add(job.pathDepth).add(job.directSamples);
-    sum.add(static_cast<std::uint64_t>(points.size()));
-    for (const ProbePoint& point : points) {
-        for (const glm::vec3 v : {point.position, point.normal}) sum.add(v.x).add(v.y).add(v.z);
-        sum.add(point.stream);
+    Key& add(glm::vec3 v)
+    {
+        sum_.add(v.x).add(v.y).add(v.z);
+        return *this;
     }
-    return sum.finish();
-}
+    template<class T>
+    Key& add(const T& value)
+    {
+        sum_.add(value);
+        return *this;
+    }
+    const Sha256::Digest& finish() { return digest_ = sum_.finish(); }
+    /// Entries with this key begin so.
+    [[nodiscard]] std::string prefix() const
+    {
+        return fmt::format("{}-{}-", kind_, toHex(std::span(digest_).first(16)));
+    }
+    [[nodiscard]] std::string name(int most, float target) const
+    {
+        return fmt::format("{}{}-{}", prefix(), most, target);
+    }
 
-/// "probes-<key>-<paths>-<target>": the name alone tells what an entry may serve.
-std::string prefixOf(const Sha256::Digest& key) { return fmt::format("probes-{}-", toHex(std::span(key).first(16))); }
-
-fs::path nameOf(const Sha256::Digest& key, const ReferenceJob& job)
-{
-    return fmt::format("{}{}-{}{}", prefixOf(key), job.paths, job.targetError, kExtension);
-}
-
-/// A reference on disk: for what job, and how far it came.
-struct Entry {
-    int paths = 0;
-    float targetError = 0.0f;
-    ReferenceState state;
+private:
+    std::string kind_;
+    Sha256 sum_;
+    Sha256::Digest digest_{};
 };
 
-std::vector<std::uint8_t> encode(const Sha256::Digest& key, const ReferenceJob& job, const ReferenceState& state)
-{
-    ByteWriter out;
-    out.put(kMagic);
-    out.put(kVersion);
-    out.put(key);
-    out.put(job.paths);
-    out.put(job.targetError);
-    out.put(state.goal);
-    out.put(state.probes);
-    return std::move(out).sealed();
-}
+/// What stands in front of every entry.
+struct Head {
+    int most = 0; ///< paths or samples asked for
+    float target = 0.0f;
 
-Result<Entry> decode(std::span<const std::uint8_t> file, const Sha256::Digest& key, std::size_t probes)
-{
-    const auto content = openSealed(file);
-    if (!content) return Error{Error::Kind::badInput, "its checksum differs"};
-    ByteReader in(*content);
-    std::uint32_t version = 0;
-    Sha256::Digest found{};
-    Entry entry;
-    const bool isRead = in.expect(kMagic) && in.get(version) && version == kVersion && in.get(found) && found == key &&
-                        in.get(entry.paths) && in.get(entry.targetError) && in.get(entry.state.goal) &&
-                        in.get(entry.state.probes) && in.isAtEnd() && entry.state.probes.size() == probes;
-    if (!isRead) return Error{Error::Kind::badInput, "it holds something else than its name says"};
-    return entry;
-}
+    void write(ByteWriter& out, const Sha256::Digest& key) const
+    {
+        out.put(kMagic);
+        out.put(kVersion);
+        out.put(key);
+        out.put(most);
+        out.put(target);
+    }
+    [[nodiscard]] bool read(ByteReader& in, const Sha256::Digest& key)
+    {
+        std::uint32_t version = 0;
+        Sha256::Digest found{};
+        return in.expect(kMagic) && in.get(version) && version == kVersion && in.get(found) && found == key &&
+               in.get(most) && in.get(target);
+    }
+    bool operator==(const Head&) const = default;
+};
+
+Error damaged(const char* why) { return {Error::Kind::badInput, why}; }
+constexpr const char* kWrongSum = "its checksum differs";
+constexpr const char* kWrongContent = "it holds something else than its name says";
 
 /// Rms over the probes of the luminance of an error is at most `target` of the mean over all probes, direct and
 /// indirect each.
@@ -98,149 +95,180 @@ bool meets(const ReferenceResult& result, float target)
     return rms.x <= goal.x && rms.y <= goal.y;
 }
 
-bool isSameJob(const Entry& entry, const ReferenceJob& job)
-{
-    return entry.paths == job.paths && entry.targetError == job.targetError;
-}
-
-bool serves(const Entry& entry, const ReferenceJob& job, ReferenceMatch match)
-{
-    ReferenceJob own = job;
-    own.paths = entry.paths;
-    own.targetError = entry.targetError;
-    const ReferenceResult result = resultOf(entry.state, own);
-    if (result.finished < result.probes.size()) return false;
-    if (isSameJob(entry, job) || match == ReferenceMatch::sameBits) return isSameJob(entry, job);
-    if (result.leastPaths >= static_cast<std::uint64_t>(job.paths)) return true;
-    return job.targetError > 0.0f && meets(result, job.targetError);
-}
-
-/// True if going on from `entry` ends where `job` would have come from nothing.
-bool leadsTo(const Entry& entry, const ReferenceJob& job, bool resume)
-{
-    if (isSameJob(entry, job)) return resume;
-    return entry.targetError == 0.0f && job.targetError == 0.0f && entry.paths < job.paths;
-}
-
-fs::path userCache()
-{
-    const char* cache = std::getenv("XDG_CACHE_HOME"); // NOLINT(concurrency-mt-unsafe): nobody sets it meanwhile
-    if (cache && *cache == '/') return fs::path(cache) / "lightloom";
-    const char* home = std::getenv("HOME"); // NOLINT(concurrency-mt-unsafe)
-    return home && *home == '/' ? fs::path(home) / ".cache" / "lightloom" : fs::path();
-}
-
-std::vector<fs::path> entriesIn(const fs::path& folder, const std::string& prefix)
-{
-    std::vector<fs::path> found;
-    std::error_code error;
-    for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
-        const std::string name = at->path().filename().string();
-        if (name.starts_with(prefix) && name.ends_with(kExtension)) found.push_back(at->path());
+/// Looks through the entries of one question about probes.
+class ProbeSearch {
+public:
+    ProbeSearch(const Sha256::Digest& key, std::size_t probes, const ReferenceJob& job, ReferenceMatch match,
+                bool resume)
+        : key_(key), probes_(probes), job_(job), match_(match), resume_(resume)
+    {
     }
-    std::ranges::sort(found); // not in the disk's order
-    return found;
+    KeptReference kept;   ///< what was found whole
+    ReferenceState state; ///< else the best to go on with
+
+    Result<bool> look(const fs::path& path, std::span<const std::uint8_t> file)
+    {
+        const auto content = openSealed(file);
+        if (!content) return damaged(kWrongSum);
+        ByteReader in(*content);
+        Head head;
+        ReferenceState found;
+        if (!head.read(in, key_) || !in.get(found.goal) || !in.get(found.probes) || !in.isAtEnd() ||
+            found.probes.size() != probes_) {
+            return damaged(kWrongContent);
+        }
+        ReferenceJob own = job_;
+        own.paths = head.most;
+        own.targetError = head.target;
+        ReferenceResult result = resultOf(found, own);
+        if (serves(head, result)) {
+            CacheFolders::touch(path);
+            kept = {std::move(result), true, 0, path};
+            return false;
+        }
+        if (leadsTo(head) && result.paths > kept.resumed) {
+            kept.resumed = result.paths;
+            state = std::move(found);
+        }
+        return true;
+    }
+
+private:
+    [[nodiscard]] bool serves(const Head& head, const ReferenceResult& result) const
+    {
+        if (result.finished < probes_) return false;
+        const bool isSame = head == Head{job_.paths, job_.targetError};
+        if (isSame || match_ == ReferenceMatch::sameBits) return isSame;
+        if (result.leastPaths >= static_cast<std::uint64_t>(job_.paths)) return true;
+        return job_.targetError > 0.0f && meets(result, job_.targetError);
+    }
+    /// True if going on from the entry ends where the job would have come from nothing.
+    [[nodiscard]] bool leadsTo(const Head& head) const
+    {
+        if (head == Head{job_.paths, job_.targetError}) return resume_;
+        return head.target == 0.0f && job_.targetError == 0.0f && head.most < job_.paths;
+    }
+
+    const Sha256::Digest& key_;
+    std::size_t probes_;
+    const ReferenceJob& job_;
+    ReferenceMatch match_;
+    bool resume_;
+};
+
+/// A whole picture as its pixels are kept.
+std::vector<PixelLight> pixelsOf(const View& view)
+{
+    std::vector<PixelLight> pixels(view.direct.pixels.size());
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+        pixels[i] = {view.direct.pixels[i], view.indirect.pixels[i], view.standardError.pixels[i],
+                     static_cast<std::uint32_t>(view.samples)};
+    }
+    return pixels;
 }
 
-/// Removes the entries unused for longest until the folder holds no more than it should.
-void prune(const fs::path& folder)
-{
-    struct File {
-        fs::file_time_type used;
-        std::uint64_t bytes;
-        fs::path path;
-    };
-    std::vector<File> files;
-    std::uint64_t sum = 0;
-    std::error_code error;
-    for (const fs::path& path : entriesIn(folder, "")) {
-        const std::uint64_t bytes = fs::file_size(path, error);
-        if (error) continue;
-        files.push_back({fs::last_write_time(path, error), bytes, path});
-        sum += bytes;
+/// Looks through the entries of one question about a camera.
+class ViewSearch {
+public:
+    ViewSearch(const Sha256::Digest& key, const ViewJob& job, ReferenceMatch match, bool resume)
+        : key_(key), job_(job), match_(match), resume_(resume)
+    {
     }
-    std::ranges::sort(files, {}, &File::used);
-    for (const File& file : files) {
-        if (sum <= kMostFolderBytes) return;
-        if (fs::remove(file.path, error)) sum -= file.bytes;
+    KeptView kept;
+    ViewState state;
+
+    Result<bool> look(const fs::path& path, std::span<const std::uint8_t> file)
+    {
+        const auto content = openSealed(file);
+        if (!content) return damaged(kWrongSum);
+        ByteReader in(*content);
+        Head head;
+        std::uint32_t isWhole = 0;
+        ViewState found;
+        const std::size_t pixels = static_cast<std::size_t>(job_.width) * static_cast<std::size_t>(job_.height);
+        if (!head.read(in, key_) || !in.get(isWhole) || !in.get(found.pixels) || !in.get(found.ended) ||
+            !in.isAtEnd() || found.pixels.size() + found.ended.size() != pixels) {
+            return damaged(kWrongContent);
+        }
+        const bool isSame = head == Head{job_.samples, job_.targetError};
+        if (isWhole && (isSame || (match_ == ReferenceMatch::asGood && isAsGood(head)))) {
+            CacheFolders::touch(path);
+            kept = {viewOf(job_, found.ended), true, 0, path};
+            return false;
+        }
+        if (!isWhole && isSame && resume_) {
+            for (const PixelSums& p : found.pixels) kept.resumed += p.samples;
+            for (const PixelLight& p : found.ended) kept.resumed += p.samples;
+            state = std::move(found);
+        }
+        return true;
     }
-}
+
+private:
+    [[nodiscard]] bool isAsGood(const Head& head) const
+    {
+        if (job_.targetError > 0.0f) return head.target > 0.0f && head.target <= job_.targetError;
+        return head.target == 0.0f && head.most >= job_.samples;
+    }
+    const Sha256::Digest& key_;
+    const ViewJob& job_;
+    ReferenceMatch match_;
+    bool resume_;
+};
 
 } // namespace
-
-ReferenceStore::ReferenceStore(const fs::path& sceneFile, LogSink log, bool resume)
-    : log_(std::move(log)), resume_(resume)
-{
-    std::error_code error;
-    const fs::path scene = fs::absolute(sceneFile, error);
-    folders_.push_back((error ? sceneFile : scene).string() + ".lightloom-cache");
-    if (const fs::path cache = userCache(); !cache.empty()) folders_.push_back(cache);
-}
-
-/// Calls `visit` for every sound entry that begins with `prefix`; damaged ones are told and removed.
-template<class Visit>
-void ReferenceStore::forEntries(const std::string& prefix, const Visit& visit) const
-{
-    for (const fs::path& folder : folders_) {
-        for (const fs::path& path : entriesIn(folder, prefix)) {
-            const Result<std::vector<std::uint8_t>> bytes = readFile(path, kMostFileBytes);
-            if (!bytes) continue; // another program may just have pruned it
-            const Result<Done> seen = visit(path, std::span(*bytes));
-            if (seen) continue;
-            log(log_, LogLevel::warning,
-                fmt::format("{} is damaged ({}); traced anew", path.string(), seen.error().message));
-            std::error_code ignored;
-            fs::remove(path, ignored);
-        }
-    }
-}
-
-/// Where it was put; empty: no folder took it.
-fs::path ReferenceStore::keep(const fs::path& name, std::span<const std::uint8_t> bytes) const
-{
-    for (const fs::path& folder : folders_) {
-        std::error_code ignored;
-        fs::create_directories(folder, ignored);
-        if (!writeFile(folder / name, bytes)) continue;
-        prune(folder);
-        return folder / name;
-    }
-    if (!folders_.empty()) log(log_, LogLevel::info, "the reference could not be kept: no folder takes it");
-    return {};
-}
 
 KeptReference ReferenceStore::illuminance(const RayScene& rays, const LightSampler& lights, const Mix& mix,
                                           const std::vector<ProbePoint>& points, const ReferenceJob& job,
                                           ReferenceMatch match, Workers& workers, const std::stop_token& stop,
                                           const std::function<void(double)>& progress) const
 {
-    const Sha256::Digest key = keyOf(rays, mix, points, job);
-    KeptReference kept;
-    ReferenceState state;
-    forEntries(prefixOf(key), [&](const fs::path& path, std::span<const std::uint8_t> bytes) -> Result<Done> {
-        if (kept.wasStored) return Done{};
-        Result<Entry> entry = decode(bytes, key, points.size());
-        if (!entry) return entry.error();
-        if (serves(*entry, job, match)) {
-            std::error_code ignored;
-            fs::last_write_time(path, fs::file_time_type::clock::now(), ignored); // so that it is pruned last
-            ReferenceJob own = job;
-            own.paths = entry->paths;
-            own.targetError = entry->targetError;
-            kept = {resultOf(entry->state, own), true, 0, path};
-        } else if (leadsTo(*entry, job, resume_)) {
-            const std::uint64_t paths = resultOf(entry->state, job).paths;
-            if (paths > kept.resumed) {
-                kept.resumed = paths;
-                state = std::move(entry->state);
-            }
-        }
-        return Done{};
-    });
-    if (kept.wasStored) return kept;
-    kept.result = continueReference(rays, lights, mix, points, job, state, workers, stop, progress);
-    if (kept.result.paths > 0) kept.file = keep(nameOf(key, job), encode(key, job, state));
-    return kept;
+    Key key("probes", rays, mix);
+    key.add(job.seed).add(job.pathDepth).add(job.directSamples).add(static_cast<std::uint64_t>(points.size()));
+    for (const ProbePoint& point : points) key.add(point.position).add(point.normal).add(point.stream);
+    const Sha256::Digest& digest = key.finish();
+
+    ProbeSearch search(digest, points.size(), job, match, resume_);
+    folders_.forEntries(key.prefix(), [&](const auto& path, auto bytes) { return search.look(path, bytes); });
+    KeptReference& kept = search.kept;
+    if (kept.wasStored) return std::move(kept);
+    kept.result = continueReference(rays, lights, mix, points, job, search.state, workers, stop, progress);
+    if (kept.result.paths == 0) return std::move(kept);
+    ByteWriter out;
+    Head{job.paths, job.targetError}.write(out, digest);
+    out.put(search.state.goal);
+    out.put(search.state.probes);
+    kept.file = folders_.keep(key.name(job.paths, job.targetError), std::move(out).sealed());
+    return std::move(kept);
+}
+
+KeptView ReferenceStore::picture(const RayScene& rays, const LightSampler& lights, const Mix& mix, const ViewJob& job,
+                                 ReferenceMatch match, Workers& workers, const std::stop_token& stop,
+                                 const std::function<void(double)>& progress) const
+{
+    assert(job.indirect == ViewJob::Indirect::paths);
+    const Camera& c = job.camera;
+    Key key("view", rays, mix);
+    key.add(job.seed).add(job.pathDepth).add(job.directSamples).add(job.width).add(job.height).add(c.position);
+    for (int i = 0; i < 4; ++i) key.add(c.orientation[i]);
+    key.add(c.yFov).add(c.nearPlane);
+    const Sha256::Digest& digest = key.finish();
+
+    ViewSearch search(digest, job, match, resume_);
+    folders_.forEntries(key.prefix(), [&](const auto& path, auto bytes) { return search.look(path, bytes); });
+    KeptView& kept = search.kept;
+    if (kept.wasStored) return std::move(kept);
+    ViewState& state = search.state;
+    kept.result = continueView(rays, lights, mix, nullptr, job, state, workers, stop, progress);
+    if (kept.result.rays == 0) return std::move(kept);
+    if (kept.result.isWhole && job.targetError == 0.0f) state = {{}, pixelsOf(kept.result)};
+    ByteWriter out;
+    Head{job.samples, job.targetError}.write(out, digest);
+    out.put(static_cast<std::uint32_t>(kept.result.isWhole));
+    out.put(state.pixels);
+    out.put(state.ended);
+    kept.file = folders_.keep(key.name(job.samples, job.targetError), std::move(out).sealed());
+    return std::move(kept);
 }
 
 } // namespace lightloom

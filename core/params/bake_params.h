@@ -20,7 +20,7 @@ enum class VdlForm { corrected, paper };
 struct BakeParams {
     std::uint64_t seed = 1;
     int photonCount = 400'000;
-    int pathDepth = 64;
+    int pathDepth = 1024;
     int gatherCount = 200;
     float gatherRadius = 0.0f;
     GatherKernel gatherKernel = GatherKernel::sphere;

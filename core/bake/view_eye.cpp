@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/bake/view_eye.h"
+#include "core/base/units.h"
+#include <cmath>
+#include <limits>
+
+namespace lightloom {
+
+namespace {
+constexpr int kMostMirrors = 32; ///< between facing mirrors, say
+}
+
+Eye::Eye(const RayScene& rays, const LightSampler& lights, const Mix& mix, const IndirectField* field,
+         const ViewJob& job)
+    : rays_(rays), lights_(lights), mix_(mix), field_(field), job_(job), directSamples_(share(job.directSamples)),
+      gatherRays_(share(job.gatherRays)), paths_(rays, lights, mix)
+{
+    if (field_) cached_ = [this](glm::vec3 p, glm::vec3 n, glm::vec3& lux) { return field_->lookup(p, n, lux); };
+}
+
+Radiance Eye::along(glm::vec3 origin, glm::vec3 travel, Rng& rng) const
+{
+    Radiance seen;
+    glm::vec3 throughput(1.0f);
+    bool isGlossy = false; // behind a rough metal: all that follows is indirect, and lamps are already counted
+    for (int bounce = 0; bounce < kMostMirrors; ++bounce) {
+        Hit hit;
+        if (!rays_.intersect(origin, travel, std::numeric_limits<float>::infinity(), hit)) break;
+        const Surface surface = surfaceAt(rays_, hit);
+        const glm::vec3 n = hit.facing();
+        const Radiance here = leaving(hit, surface, n, -travel, !isGlossy, rng);
+        seen.indirect += throughput * (isGlossy ? here.direct + here.indirect : here.indirect);
+        if (!isGlossy) seen.direct += throughput * here.direct;
+        seen.emitted += throughput * here.emitted;
+
+        Scatter next;
+        const glm::vec3 u(rng.uniform(), rng.uniform(), rng.uniform());
+        if (!surface.hasSpecular() && job_.indirect != ViewJob::Indirect::paths) break;
+        if (!scatter(surface, n, -travel, u, next)) break;
+        origin = rays_.leave(hit.position, n);
+        if (job_.indirect == ViewJob::Indirect::paths && !next.isMirror) {
+            seen.indirect += throughput * next.weight * paths_.radiance(origin, next.away, false, job_.pathDepth, rng);
+            break;
+        }
+        if (!next.isSpecular) break; // its diffuse part was taken above
+        throughput *= next.weight;
+        isGlossy |= !next.isMirror;
+        if (isGlossy && job_.indirect == ViewJob::Indirect::none) break;
+        travel = next.away;
+    }
+    return seen;
+}
+
+Radiance Eye::leaving(const Hit& hit, const Surface& surface, glm::vec3 n, glm::vec3 toEye, bool withEmission,
+                      Rng& rng) const
+{
+    Radiance light;
+    const glm::vec3 p = hit.position;
+    const int e = withEmission ? lights_.emitterOf(hit.triangle) : -1;
+    if (e >= 0) {
+        light.emitted = surface.emission * gainOf(mix_, lights_.emitters()[static_cast<std::size_t>(e)].group);
+    }
+    light.direct = light.emitted + directGlossy(rays_, lights_, mix_, surface, p, n, toEye, directSamples_, rng);
+    if (surface.diffuse == glm::vec3(0.0f)) return light;
+    const glm::vec3 matt = surface.diffuse / kPi;
+    light.direct += matt * directIlluminance(rays_, lights_, mix_, p, n, directSamples_, rng);
+    if (!field_ || job_.indirect != ViewJob::Indirect::field) return light;
+    glm::vec3 lux(0.0f);
+    if (!field_->lookup(p, n, lux)) {
+        lux = gatherIndirect(rays_, lights_, mix_, cached_, p, n, gatherRays_, 1, rng);
+    }
+    light.indirect += matt * lux;
+    return light;
+}
+
+Lens::Lens(const ViewJob& job)
+    : camera_(job.camera), orientation_(glm::mat3_cast(job.camera.orientation)), width_(job.width), height_(job.height),
+      tanHalf_(std::tan(0.5f * job.camera.yFov))
+{
+}
+
+void Lens::ray(int x, int y, glm::vec2 within, glm::vec3& origin, glm::vec3& travel) const
+{
+    const auto w = static_cast<float>(width_), h = static_cast<float>(height_);
+    const float right = (2.0f * (static_cast<float>(x) + within.x) / w - 1.0f) * tanHalf_ * w / h;
+    const float up = (1.0f - 2.0f * (static_cast<float>(y) + within.y) / h) * tanHalf_;
+    const glm::vec3 toPlane = orientation_ * glm::vec3(right, up, -1.0f);
+    origin = camera_.position + toPlane * camera_.nearPlane;
+    travel = glm::normalize(toPlane);
+}
+
+} // namespace lightloom

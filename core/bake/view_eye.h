@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "core/bake/render_view.h"
+#include "core/trace/final_gather.h"
+#include "core/trace/path_walk.h"
+
+/// What the passes over a picture share: rays through pixels, and what comes back along them.
+namespace lightloom {
+
+/// cd/m2 along a camera ray.
+struct Radiance {
+    glm::vec3 direct{0.0f}, indirect{0.0f};
+    glm::vec3 emitted{0.0f}; ///< the part of `direct` that lamps in view send themselves
+};
+
+/// Follows camera rays. Holds no state between rays: any thread may use it. Keeps references.
+class Eye {
+public:
+    Eye(const RayScene& rays, const LightSampler& lights, const Mix& mix, const IndirectField* field,
+        const ViewJob& job);
+    Eye(const Eye&) = delete; // cached_ points here
+    Eye& operator=(const Eye&) = delete;
+
+    [[nodiscard]] Radiance along(glm::vec3 origin, glm::vec3 travel, Rng& rng) const;
+
+private:
+    [[nodiscard]] int share(int perPixel) const { return glm::max(1, (perPixel + job_.samples - 1) / job_.samples); }
+    [[nodiscard]] Radiance leaving(const Hit& hit, const Surface& surface, glm::vec3 n, glm::vec3 toEye,
+                                   bool withEmission, Rng& rng) const;
+
+    const RayScene& rays_;
+    const LightSampler& lights_;
+    const Mix& mix_;
+    const IndirectField* field_;
+    const ViewJob& job_;
+    int directSamples_, gatherRays_;
+    CachedIndirect cached_;
+    PathWalk paths_;
+};
+
+/// Rays through the pixels of a perspective camera.
+class Lens {
+public:
+    explicit Lens(const ViewJob& job);
+    /// `within` the pixel, from its upper left corner, in [0,1)^2.
+    void ray(int x, int y, glm::vec2 within, glm::vec3& origin, glm::vec3& travel) const;
+
+private:
+    const Camera& camera_;
+    glm::mat3 orientation_;
+    int width_, height_;
+    float tanHalf_;
+};
+
+} // namespace lightloom
