@@ -24,6 +24,31 @@ struct SampleSum {
     }
 };
 
+/// Samples each lamp that is on, as seen from `p`: `done(emitter, found, count)` gets the sum of `value(sample,
+/// cosine)` over those of `count` samples that nothing blocks. A surface has `samples` of them, other lamps one.
+template<class Value, class Done>
+void sampleLamps(const RayScene& rays, const LightSampler& lights, const Mix& mix, glm::vec3 p, glm::vec3 n,
+                 int samples, Rng& rng, Value value, Done done)
+{
+    const glm::vec3 start = rays.leave(p, n);
+    for (std::size_t e = 0; e < lights.emitters().size(); ++e) {
+        const Emitter& emitter = lights.emitters()[e];
+        const glm::vec3 gain = gainOf(mix, emitter.group);
+        if (gain == glm::vec3(0.0f)) continue;
+        const int count = emitter.kind == Emitter::Kind::surface ? glm::max(1, samples) : 1;
+        SampleSum found;
+        const ShiftedPoints points(count, rng);
+        for (int i = 0; i < count; ++i) {
+            LightSample s;
+            if (!lights.sample(static_cast<int>(e), p, points[i], s)) continue;
+            const float cosine = glm::dot(n, s.toLight);
+            if (!(cosine > 0.0f) || rays.isBlocked(start, s.end)) continue;
+            found.add(gain * value(s, cosine));
+        }
+        done(emitter, found, count);
+    }
+}
+
 /// Glossy light by sampling the lobe: what its rays find of surface emitters, weighted against light sampling.
 glm::vec3 glossyFromLobe(const RayScene& rays, const LightSampler& lights, const Mix& mix, const Surface& glossy,
                          glm::vec3 p, glm::vec3 n, glm::vec3 toEye, int samples, Rng& rng)
@@ -52,24 +77,15 @@ glm::vec3 directIlluminance(const RayScene& rays, const LightSampler& lights, co
                             int samples, Rng& rng, glm::vec3* squaredError)
 {
     glm::dvec3 total(0.0), variance(0.0);
-    const glm::vec3 start = rays.leave(p, n);
-    for (std::size_t e = 0; e < lights.emitters().size(); ++e) {
-        const Emitter& emitter = lights.emitters()[e];
-        const glm::vec3 gain = gainOf(mix, emitter.group);
-        if (gain == glm::vec3(0.0f)) continue;
-        const int count = emitter.kind == Emitter::Kind::surface ? glm::max(1, samples) : 1;
-        SampleSum found;
-        const ShiftedPoints points(count, rng);
-        for (int i = 0; i < count; ++i) {
-            LightSample s;
-            if (!lights.sample(static_cast<int>(e), p, points[i], s)) continue;
-            const float cosine = glm::dot(n, s.toLight);
-            if (!(cosine > 0.0f) || rays.isBlocked(start, s.end)) continue;
-            found.add(gain * (s.isPunctual() ? s.illuminance * cosine : s.radiance * (cosine / s.pdf)));
-        }
-        total += found.sum / static_cast<double>(count);
-        if (emitter.kind == Emitter::Kind::surface) variance += found.varianceOfMean(count);
-    }
+    sampleLamps(
+        rays, lights, mix, p, n, samples, rng,
+        [](const LightSample& s, float cosine) {
+            return s.isPunctual() ? s.illuminance * cosine : s.radiance * (cosine / s.pdf);
+        },
+        [&](const Emitter& emitter, const SampleSum& found, int count) {
+            total += found.sum / static_cast<double>(count);
+            if (emitter.kind == Emitter::Kind::surface) variance += found.varianceOfMean(count);
+        });
     if (squaredError) *squaredError = glm::vec3(variance);
     return glm::vec3(total);
 }
@@ -80,32 +96,23 @@ glm::vec3 directGlossy(const RayScene& rays, const LightSampler& lights, const M
     if (!surface.hasSpecular() || surface.isMirror()) return glm::vec3(0.0f);
     Surface glossy = surface;
     glossy.diffuse = glm::vec3(0.0f);
-    glm::vec3 total(0.0f);
-    const glm::vec3 start = rays.leave(p, n);
+    glm::dvec3 total(0.0);
     bool anySurface = false;
-    for (std::size_t e = 0; e < lights.emitters().size(); ++e) {
-        const Emitter& emitter = lights.emitters()[e];
-        const glm::vec3 gain = gainOf(mix, emitter.group);
-        if (gain == glm::vec3(0.0f)) continue;
-        anySurface |= emitter.kind == Emitter::Kind::surface;
-        const int count = emitter.kind == Emitter::Kind::surface ? glm::max(1, samples) : 1;
-        glm::vec3 sum(0.0f);
-        const ShiftedPoints points(count, rng);
-        for (int i = 0; i < count; ++i) {
-            LightSample s;
-            if (!lights.sample(static_cast<int>(e), p, points[i], s)) continue;
-            const float cosine = glm::dot(n, s.toLight);
-            if (!(cosine > 0.0f) || rays.isBlocked(start, s.end)) continue;
+    sampleLamps(
+        rays, lights, mix, p, n, samples, rng,
+        [&](const LightSample& s, float cosine) {
             const glm::vec3 reflected = brdf(glossy, n, s.toLight, toEye) * cosine;
-            if (s.isPunctual())
-                sum += reflected * s.illuminance;
-            else
-                sum += reflected * s.radiance / (s.pdf + scatterPdf(glossy, n, s.toLight, toEye));
-        }
-        total += gain * sum / static_cast<float>(count);
+            if (s.isPunctual()) return reflected * s.illuminance;
+            return reflected * s.radiance / (s.pdf + scatterPdf(glossy, n, s.toLight, toEye));
+        },
+        [&](const Emitter& emitter, const SampleSum& found, int count) {
+            total += found.sum / static_cast<double>(count);
+            anySurface |= emitter.kind == Emitter::Kind::surface;
+        });
+    if (anySurface) {
+        total += glm::dvec3(glossyFromLobe(rays, lights, mix, glossy, p, n, toEye, glm::max(1, samples), rng));
     }
-    if (anySurface) total += glossyFromLobe(rays, lights, mix, glossy, p, n, toEye, glm::max(1, samples), rng);
-    return total;
+    return glm::vec3(total);
 }
 
 } // namespace lightloom
