@@ -91,6 +91,17 @@ private Q_SLOTS:
                 }) == bytes.begin() + 33);
     }
 
+    void srgbCurve()
+    {
+        QCOMPARE(decodeSrgb(0.0f), 0.0f);
+        QVERIFY(std::abs(decodeSrgb(1.0f) - 1.0f) <= 1e-6f);
+        QVERIFY(std::abs(decodeSrgb(0.5f) - 0.21404114f) <= 1e-6f); // IEC 61966-2-1
+        for (int i = 0; i <= 255; ++i) {
+            const float v = float(i) / 255.0f;
+            QVERIFY(std::abs(encodeSrgb(decodeSrgb(v)) - v) <= 1e-5f);
+        }
+    }
+
     void srgbRoundTrip()
     {
         ByteImage ramp{256, 1, {}};

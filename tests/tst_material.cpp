@@ -68,17 +68,6 @@ double ggxAgain(double alpha, double f0, double f90, glm::dvec3 l, glm::dvec3 v)
 class MaterialTest : public QObject {
     Q_OBJECT
 private Q_SLOTS:
-    void srgbCurve()
-    {
-        QCOMPARE(srgbToLinear(0.0f), 0.0f);
-        QVERIFY(std::abs(srgbToLinear(1.0f) - 1.0f) <= 1e-6f);
-        QVERIFY(std::abs(srgbToLinear(0.5f) - 0.21404114f) <= 1e-6f); // IEC 61966-2-1
-        for (int i = 0; i <= 255; ++i) {
-            const float v = float(i) / 255.0f;
-            QVERIFY(std::abs(linearToSrgb(srgbToLinear(v)) - v) <= 1e-5f);
-        }
-    }
-
     void texelsLieWhereGltfSaysSo() // row 0 on top, v downwards, centres at halves
     {
         const Scene scene = fourTexels();

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/image.h"
-#include <array>
 #include <cmath>
 
 namespace lightloom {
@@ -8,6 +7,16 @@ namespace lightloom {
 float encodeSrgb(float v) { return v <= 0.0031308f ? 12.92f * v : 1.055f * std::pow(v, 1.0f / 2.4f) - 0.055f; }
 
 float decodeSrgb(float v) { return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f); }
+
+const std::array<float, 256>& decodedSrgbBytes()
+{
+    static const std::array<float, 256> table = [] {
+        std::array<float, 256> t{};
+        for (std::size_t i = 0; i < t.size(); ++i) t[i] = decodeSrgb(static_cast<float>(i) / 255.0f);
+        return t;
+    }();
+    return table;
+}
 
 ByteImage toBytes(const FloatImage& linear)
 {
@@ -24,8 +33,7 @@ ByteImage toBytes(const FloatImage& linear)
 
 FloatImage toLinear(const ByteImage& image)
 {
-    std::array<float, 256> decoded{};
-    for (std::size_t i = 0; i < decoded.size(); ++i) decoded[i] = decodeSrgb(static_cast<float>(i) / 255.0f);
+    const std::array<float, 256>& decoded = decodedSrgbBytes();
     FloatImage linear(image.width, image.height);
     for (std::size_t i = 0; i < linear.pixels.size(); ++i) {
         linear.pixels[i] = {decoded[image.rgb[3 * i]], decoded[image.rgb[3 * i + 1]], decoded[image.rgb[3 * i + 2]]};

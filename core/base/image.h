@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -37,6 +38,8 @@ struct ByteImage {
 /// sRGB transfer curve (IEC 61966-2-1) of one channel; `v` in [0,1].
 [[nodiscard]] float encodeSrgb(float v);
 [[nodiscard]] float decodeSrgb(float v);
+/// What each byte of an sRGB picture means: decodeSrgb(byte / 255).
+[[nodiscard]] const std::array<float, 256>& decodedSrgbBytes();
 
 /// Channels below 0 and NaN become 0, above 1 become 1.
 [[nodiscard]] ByteImage toBytes(const FloatImage& linear);

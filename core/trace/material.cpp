@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/trace/material.h"
+#include "core/base/image.h"
 #include "core/base/sampling.h"
 #include <array>
 #include <cmath>
@@ -52,16 +53,6 @@ Taps tapsFor(float u, int size, Texture::Wrap wrap, bool smooth)
     return {texelIndex(i, size, wrap), texelIndex(i + 1, size, wrap), static_cast<float>(at - 0.5 - low)};
 }
 
-const std::array<float, 256>& srgbTable()
-{
-    static const std::array<float, 256> table = [] {
-        std::array<float, 256> t{};
-        for (std::size_t i = 0; i < t.size(); ++i) t[i] = srgbToLinear(static_cast<float>(i) / 255.0f);
-        return t;
-    }();
-    return table;
-}
-
 glm::vec4 texel(const Image& image, int x, int y, bool srgb)
 {
     const std::size_t at =
@@ -69,7 +60,7 @@ glm::vec4 texel(const Image& image, int x, int y, bool srgb)
     const std::uint8_t* p = image.rgba.data() + at;
     constexpr float kStep = 1.0f / 255.0f;
     if (!srgb) return glm::vec4(p[0], p[1], p[2], p[3]) * kStep;
-    const auto& table = srgbTable();
+    const std::array<float, 256>& table = decodedSrgbBytes();
     return {table[p[0]], table[p[1]], table[p[2]], static_cast<float>(p[3]) * kStep};
 }
 
@@ -211,9 +202,6 @@ float localPdf(const Surface& s, glm::vec3 away, glm::vec3 toEye)
 }
 
 } // namespace
-
-float srgbToLinear(float v) { return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f); }
-float linearToSrgb(float v) { return v <= 0.0031308f ? v * 12.92f : 1.055f * std::pow(v, 1.0f / 2.4f) - 0.055f; }
 
 glm::vec4 sampleTexture(const Scene& scene, const Texture& texture, glm::vec2 uv, bool srgb)
 {

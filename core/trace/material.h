@@ -26,8 +26,6 @@ struct Surface {
 /// Texture lookup with the sampler's wrap and filter; `uv` before the texture's transform. Values in [0,1];
 /// sRGB decoded if `srgb` (before filtering).
 [[nodiscard]] glm::vec4 sampleTexture(const Scene& scene, const Texture& texture, glm::vec2 uv, bool srgb);
-[[nodiscard]] float srgbToLinear(float v);
-[[nodiscard]] float linearToSrgb(float v);
 
 /// One scattered direction.
 struct Scatter {
