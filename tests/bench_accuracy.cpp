@@ -13,21 +13,14 @@
 #include "core/photonmap/photon_map_solver.h"
 #include "core/photonmap/photon_products.h"
 #include "core/scene/sample_scenes.h"
+#include "tests/bench_clock.h"
 #include <charconv>
 #include <cstring>
-#include <ctime>
 #include <fmt/format.h>
 
 using namespace lightloom;
 
 namespace {
-
-double cpuSeconds()
-{
-    timespec now{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 struct Settings {
     int probes = 1000, paths = 4096;
@@ -94,11 +87,11 @@ void measure(const std::string& name, const Settings& settings)
     PhotonMapSolver photonMap;
     OctreeSolver octree;
     for (Solver* solver : {static_cast<Solver*>(&octree), static_cast<Solver*>(&photonMap)}) {
-        double began = cpuSeconds();
+        double began = cpuSeconds(CpuOf::process);
         BakeControl control(workers, {[&](Snapshot s) {
-                                          const double cpu = cpuSeconds() - began;
+                                          const double cpu = cpuSeconds(CpuOf::process) - began;
                                           judge.row(name, *s.field, s.level, cpu);
-                                          began = cpuSeconds() - cpu; // judging is not baking
+                                          began = cpuSeconds(CpuOf::process) - cpu; // judging is not baking
                                       },
                                       {}});
         BakeProducts fresh;

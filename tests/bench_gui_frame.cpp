@@ -2,11 +2,11 @@
 // Frame time of octree mode against plain mode, both in one run and in turn, so that the machine's mood hits both.
 // Run: xvfb-run -a -s "-screen 0 1280x1024x24" bench_gui_frame [SCENE NAME] [WIDTHxHEIGHT]
 #include "core/scene/sample_scenes.h"
-#include "gui_fixture.h"
+#include "tests/bench_clock.h"
+#include "tests/gui_fixture.h"
 #include "widgets/gl/gl_probe.h"
 #include <QElapsedTimer>
 #include <QGuiApplication>
-#include <algorithm>
 #include <fmt/format.h>
 
 using namespace lightloom;
@@ -14,12 +14,6 @@ using namespace lightloom;
 namespace {
 
 constexpr int kRounds = 31;
-
-double median(std::vector<double> values)
-{
-    std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-    return values[values.size() / 2];
-}
 
 } // namespace
 

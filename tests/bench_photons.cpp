@@ -6,36 +6,23 @@
 #include "core/scene/sample_scenes.h"
 #include "core/trace/light_reach.h"
 #include "core/trace/material.h"
+#include "tests/bench_clock.h"
 #include <algorithm>
 #include <embree3/rtcore.h>
 #include <fmt/format.h>
 #include <limits>
 #include <nanoflann.hpp>
-#include <time.h>
 
 using namespace lightloom;
 
 namespace {
 
-double cpuSeconds()
-{
-    timespec now{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
 template<class Body>
 double timed(Body body)
 {
-    const double began = cpuSeconds();
+    const double began = cpuSeconds(CpuOf::thread);
     body();
-    return cpuSeconds() - began;
-}
-
-double median(std::vector<double> values)
-{
-    std::ranges::sort(values);
-    return values[values.size() / 2];
+    return cpuSeconds(CpuOf::thread) - began;
 }
 
 struct Ray {
