@@ -34,7 +34,12 @@ Viewport::Viewport(QWidget* parent) : QOpenGLWidget(parent)
     connect(&more_, &QTimer::timeout, this, qOverload<>(&QWidget::update));
 }
 
-Viewport::~Viewport() { releaseGl(); }
+Viewport::~Viewport()
+{
+    // the context goes with the base class, and must then find nobody of ours to tell
+    if (context()) disconnect(context(), &QOpenGLContext::aboutToBeDestroyed, this, &Viewport::releaseGl);
+    releaseGl();
+}
 
 void Viewport::initializeGL()
 {
