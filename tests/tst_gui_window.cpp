@@ -5,12 +5,11 @@
 #include "widgets/bake_bridge.h"
 #include "widgets/bake_panel.h"
 #include "widgets/gl/gl_probe.h"
-#include "widgets/main_window.h"
 #include "widgets/message_bar.h"
 #include "widgets/param_panel.h"
 #include "widgets/scene_dock.h"
 #include "widgets/snapshot_bar.h"
-#include "widgets/viewport.h"
+#include "window_helpers.h"
 #include <QApplication>
 #include <QCheckBox>
 #include <QDir>
@@ -26,45 +25,11 @@
 #include <memory>
 
 using namespace lightloom;
+using namespace lightloom::test;
 
 namespace {
 
-const QString kCornell = QStringLiteral(LIGHTLOOM_SOURCE_DIR "/sample_scenes/cornell.glb");
-constexpr int kPatience = 120'000;
-
-/// Small enough that a bake takes a second or two.
-BakeParams small()
-{
-    BakeParams params;
-    params.photonCount = 60'000;
-    params.gatherCount = 100;
-    params.octreeDepth = 5;
-    return params;
-}
-
-/// A window that remembers nothing, with a small bake set.
-std::unique_ptr<MainWindow> makeWindow()
-{
-    auto window = std::make_unique<MainWindow>(nullptr);
-    window->setParams(small());
-    window->resize(1280, 640);
-    window->show();
-    window->activateWindow(); // shortcuts belong to the active window, and no window manager makes it so here
-    if (!QTest::qWaitForWindowActive(window.get())) qWarning("the window did not become active");
-    return window;
-}
-
-bool openAndBake(MainWindow& window, const QString& file = kCornell)
-{
-    QSignalSpy ended(&window, &MainWindow::bakeEnded);
-    window.openScene(file);
-    return ended.wait(kPatience) && ended.last().first().toBool();
-}
-
-bool settle(Viewport& viewport)
-{
-    return QTest::qWaitFor([&] { return viewport.isSettled(); }, kPatience);
-}
+const QString kCornell = sampleFile("cornell");
 
 void drag(QWidget& widget, QPoint from, QPoint to)
 {
@@ -245,7 +210,7 @@ private Q_SLOTS:
     void pauseHoldsAndCancelKeepsThePicture()
     {
         const auto window = makeWindow();
-        BakeParams params = small();
+        BakeParams params = smallBake();
         params.octreeDepth = 8;
         params.photonCount = 400'000;
         window->setParams(params);
@@ -276,7 +241,7 @@ private Q_SLOTS:
     {
         for (const bool isPaused : {false, true}) {
             auto window = makeWindow();
-            BakeParams params = small();
+            BakeParams params = smallBake();
             params.octreeDepth = 8;
             params.photonCount = 400'000;
             window->setParams(params);

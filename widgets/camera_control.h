@@ -20,6 +20,7 @@ public:
     void zoom(float steps, glm::vec3 toward); ///< a step nears `toward` by a sixth; the eye may pass through it
     void look(glm::vec2 step);                ///< turns about the eye
     void walk(glm::vec3 step);                ///< metres to the right, up and ahead
+    void shift(glm::vec3 by) { eye_ += by; }  ///< the scene's frame moved the other way
     void setPivot(glm::vec3 pivot);           ///< the eye stays and turns to it
 
     [[nodiscard]] glm::vec3 eye() const { return eye_; }

@@ -3,6 +3,7 @@
 #include "core/params/param_text.h"
 #include "widgets/bake_bridge.h"
 #include "widgets/bake_panel.h"
+#include "widgets/edit_command.h"
 #include "widgets/message_bar.h"
 #include "widgets/param_panel.h"
 #include "widgets/scene_dock.h"
@@ -24,6 +25,7 @@
 #include <QMimeData>
 #include <QSettings>
 #include <QStackedWidget>
+#include <QUndoStack>
 #include <QUrl>
 
 namespace lightloom {
@@ -31,6 +33,7 @@ namespace lightloom {
 namespace {
 
 constexpr int kEditDelayMs = 150; ///< edits within it make one bake
+constexpr int kFrameTellMs = 250; ///< between changes of the frame time in the status line
 
 QString sceneIn(const QMimeData* mime)
 {
@@ -44,6 +47,10 @@ QString sceneIn(const QMimeData* mime)
     return {};
 }
 
+constexpr int kParamEdits = 1'000'000; ///< numbers of undo steps that may be joined: lamps first, then parameters
+
+QString fromView(std::string_view s) { return QString::fromUtf8(s.data(), static_cast<qsizetype>(s.size())); }
+
 QString luxText(double lux)
 {
     if (lux < 0.0) return QStringLiteral("?");
@@ -53,11 +60,11 @@ QString luxText(double lux)
 } // namespace
 
 MainWindow::MainWindow(QSettings* settings)
-    : settings_(settings), loader_(new SceneLoader(this)), bridge_(new BakeBridge(this)), worker_(new ViewWorker(this))
+    : settings_(settings), undoStack_(new QUndoStack(this)), loader_(new SceneLoader(this)),
+      bridge_(new BakeBridge(this)), worker_(new ViewWorker(this))
 {
     setWindowTitle(tr("Lightloom"));
     setAcceptDrops(true);
-    resize(1280, 800);
     makeActions();
     buildCentre();
     buildDocks();
@@ -66,7 +73,9 @@ MainWindow::MainWindow(QSettings* settings)
     connectWorkers();
     editDelay_.setSingleShot(true);
     editDelay_.setInterval(kEditDelayMs);
-    connect(&editDelay_, &QTimer::timeout, this, &MainWindow::paramsEdited);
+    connect(&editDelay_, &QTimer::timeout, this, &MainWindow::useParams);
+    frameTold_.setSingleShot(true);
+    frameTold_.setInterval(kFrameTellMs);
     restore();
 }
 
@@ -110,14 +119,18 @@ void MainWindow::connectWorkers()
         },
         Qt::QueuedConnection);
     connect(worker_, &ViewWorker::measured, this, &MainWindow::showMeasurement, Qt::QueuedConnection);
-    connect(sceneDock_, &SceneDock::mixEdited, this, &MainWindow::mixEdited);
+    connect(sceneDock_, &SceneDock::lampEdited, this, &MainWindow::lampEdited);
     connect(sceneDock_, &SceneDock::cameraChosen, this, [this](int index) {
         if (viewport_ != nullptr) viewport_->useCamera(data_->scene->cameras[static_cast<std::size_t>(index)]);
     });
     connect(snapshots_, &SnapshotBar::chosen, this, [this] { showView(*snapshots_->shown()); });
-    connect(paramPanel_, &ParamPanel::edited, &editDelay_, qOverload<>(&QTimer::start));
+    connect(paramPanel_, &ParamPanel::edited, this, &MainWindow::paramsEdited);
     if (viewport_ == nullptr) return;
-    connect(viewport_, &Viewport::frameDrawn, this, &MainWindow::showFrame);
+    // a label that changes composes the window anew: not with every frame
+    connect(viewport_, &Viewport::frameDrawn, &frameTold_, [this] {
+        if (!frameTold_.isActive()) frameTold_.start();
+    });
+    connect(&frameTold_, &QTimer::timeout, this, &MainWindow::showFrame);
     connect(viewport_, &Viewport::problem, this, [this](const QString& text) { messages_->show(text); });
     connect(viewport_, &Viewport::exposureMetered, this, [this](float ev) {
         const QSignalBlocker quiet(exposure_);
@@ -140,13 +153,18 @@ void MainWindow::openScene(const QString& file)
 
 void MainWindow::setScene(std::shared_ptr<const DrawData> opened, const QString& file)
 {
+    const bool isFirst = !data_, isAgain = file == file_;
     data_ = std::move(opened);
+    file_ = file;
     const Scene& scene = *data_->scene;
     setWindowTitle(tr("%1 - Lightloom").arg(sceneTitle(file)));
     snapshots_->clear();
     rowSerial_.reset();
     sceneDock_->setScene(data_->scene);
     mix_ = sceneDock_->mix();
+    lamps_ = sceneDock_->lampSettings();
+    params_ = paramPanel_->params();
+    undoStack_->clear();
     bridge_->setMix(mix_, ++mixSerial_);
     cameraMenu_->clear();
     for (const Camera& camera : scene.cameras) {
@@ -156,17 +174,27 @@ void MainWindow::setScene(std::shared_ptr<const DrawData> opened, const QString&
     }
     cameraMenu_->setEnabled(!scene.cameras.empty());
     pages_->setCurrentWidget(workPage_);
+    if (isFirst) showDocks();
+    for (QAction* action : {start_, reload_}) action->setEnabled(true);
     if (viewport_ != nullptr) {
-        viewport_->setScene(data_);
+        viewport_->setScene(data_, isAgain);
         viewport_->setFocus();
-        if (scene.exposureEv) {
+        if (scene.exposureEv && !isAgain) {
             const QSignalBlocker quiet(exposure_);
             exposure_->setValue(static_cast<double>(*scene.exposureEv));
         }
     }
+    showNotes();
+    rememberFile(file);
+    startBake(true);
+    Q_EMIT sceneOpened();
+}
+
+void MainWindow::showNotes()
+{
     QStringList notes;
     if (!data_->lampMessage.empty()) notes += QString::fromStdString(data_->lampMessage);
-    for (const std::string& warning : scene.warnings) notes += QString::fromStdString(warning);
+    for (const std::string& warning : data_->scene->warnings) notes += QString::fromStdString(warning);
     if (notes.isEmpty()) {
         messages_->clear();
     } else {
@@ -175,9 +203,6 @@ void MainWindow::setScene(std::shared_ptr<const DrawData> opened, const QString&
                                  : notes.first());
         messages_->setToolTip(notes.join('\n'));
     }
-    rememberFile(file);
-    startBake(true);
-    Q_EMIT sceneOpened();
 }
 
 void MainWindow::startBake(bool urgent)
@@ -209,16 +234,53 @@ void MainWindow::startBake(bool urgent)
 void MainWindow::setParams(const BakeParams& params)
 {
     paramPanel_->setParams(params);
-    paramsEdited();
+    paramsEdited(params);
+    useParams();
 }
 
-void MainWindow::paramsEdited()
+void MainWindow::paramsEdited(const BakeParams& params)
+{
+    if (params == params_) return;
+    int changed = 0, last = -1;
+    for (std::size_t i = 0; i < kParams.size(); ++i) {
+        if (paramValue(params, kParams[i]) == paramValue(params_, kParams[i])) continue;
+        ++changed;
+        last = static_cast<int>(i);
+    }
+    const QString what = changed == 1 ? fromView(kParams[static_cast<std::size_t>(last)].label) : tr("parameters");
+    const auto apply = [this](const BakeParams& value) {
+        params_ = value;
+        paramPanel_->setParams(value);
+        editDelay_.start();
+    };
+    undoStack_->push(new EditCommand<BakeParams>(what, params_, params, apply, changed == 1 ? kParamEdits + last : -1));
+    params_ = params;
+    editDelay_.start();
+}
+
+void MainWindow::useParams()
 {
     const auto stage = firstDifference(bakedParams_, paramPanel_->params(), Method::lightOctree);
     if (stage && *stage != Stage::show) startBake(false);
 }
 
-void MainWindow::mixEdited()
+void MainWindow::lampEdited(int lamp, bool isDimmed)
+{
+    const std::vector<LampSetting> settings = sceneDock_->lampSettings();
+    const auto apply = [this](const std::vector<LampSetting>& value) {
+        lamps_ = value;
+        sceneDock_->setLampSettings(value);
+        useMix();
+    };
+    const QString name = sceneDock_->lampName(lamp);
+    undoStack_->push(
+        new EditCommand<std::vector<LampSetting>>(isDimmed ? tr("dimming %1").arg(name) : tr("switching %1").arg(name),
+                                                  lamps_, settings, apply, isDimmed ? lamp : -1));
+    lamps_ = settings;
+    useMix();
+}
+
+void MainWindow::useMix()
 {
     mix_ = sceneDock_->mix();
     bridge_->setMix(mix_, ++mixSerial_);
@@ -289,9 +351,11 @@ void MainWindow::showMeasurement(const Measurement& m)
         tr("Illuminance: %1 lx direct, %2 lx indirect").arg(luxText(m.directLux), luxText(m.indirectLux)));
 }
 
-void MainWindow::showFrame(double ms, bool isFull)
+void MainWindow::showFrame()
 {
-    statusFrame_->setText(tr("%1 ms%2").arg(ms, 0, 'f', ms < 10.0 ? 1 : 0).arg(isFull ? QString() : tr(" coarse")));
+    const double ms = viewport_->frameMs();
+    statusFrame_->setText(
+        tr("%1 ms%2").arg(ms, 0, 'f', ms < 10.0 ? 1 : 0).arg(viewport_->scale() < 1.0f ? tr(" coarse") : QString()));
 }
 
 void MainWindow::chooseFile()
@@ -306,11 +370,16 @@ void MainWindow::chooseFile()
 
 void MainWindow::dragEnterEvent(QDragEnterEvent* event)
 {
-    if (!sceneIn(event->mimeData()).isEmpty()) event->acceptProposedAction();
+    if (sceneIn(event->mimeData()).isEmpty()) return;
+    event->acceptProposedAction();
+    startPage_->setDropping(true);
 }
+
+void MainWindow::dragLeaveEvent(QDragLeaveEvent*) { startPage_->setDropping(false); }
 
 void MainWindow::dropEvent(QDropEvent* event)
 {
+    startPage_->setDropping(false);
     const QString file = sceneIn(event->mimeData());
     if (file.isEmpty()) return;
     event->acceptProposedAction();
@@ -319,12 +388,7 @@ void MainWindow::dropEvent(QDropEvent* event)
 
 void MainWindow::closeEvent(QCloseEvent* event)
 {
-    if (settings_ != nullptr) {
-        settings_->setValue("geometry", saveGeometry());
-        settings_->setValue("docks", saveState());
-        settings_->setValue("lightTheme", lightTheme_->isChecked());
-        settings_->setValue("tone", tone_->currentIndex());
-    }
+    remember();
     bridge_->cancel();
     QMainWindow::closeEvent(event);
 }

@@ -13,11 +13,12 @@ class QAction;
 class QActionGroup;
 class QComboBox;
 class QDoubleSpinBox;
-class QHBoxLayout;
 class QLabel;
 class QMenu;
 class QSettings;
 class QStackedWidget;
+class QToolBar;
+class QUndoStack;
 
 namespace lightloom {
 
@@ -28,8 +29,10 @@ class ParamPanel;
 class SceneDock;
 class SceneLoader;
 class SnapshotBar;
+class StartPage;
 class ViewWorker;
 class Viewport;
+struct LampSetting;
 struct Progress;
 struct WorkCounters;
 enum class ViewMode;
@@ -64,6 +67,7 @@ Q_SIGNALS:
 
 protected:
     void dragEnterEvent(QDragEnterEvent* event) override;
+    void dragLeaveEvent(QDragLeaveEvent* event) override;
     void dropEvent(QDropEvent* event) override;
     void closeEvent(QCloseEvent* event) override;
 
@@ -71,39 +75,52 @@ private:
     // main_window.cpp: what happens
     void connectWorkers();
     void setScene(std::shared_ptr<const DrawData> opened, const QString& file);
+    void showNotes();
     void startBake(bool urgent);
-    void paramsEdited();
-    void mixEdited();
+    void paramsEdited(const BakeParams& params);
+    void useParams();
+    void lampEdited(int lamp, bool isDimmed);
+    void useMix();
     void showView(const BakeView& view);
     void takeView(const BakeView& view);
     void bakeFinished(quint64 serial, const QString& error, bool isCancelled, const WorkCounters& counters);
     void showMeasurement(const Measurement& measurement);
-    void setTheme(Theme theme);
     void chooseFile();
-    void rememberFile(const QString& file);
-    void showFrame(double ms, bool isFull);
-    // main_window_menus.cpp: what it looks like
+    void showFrame();
+    // main_window_layout.cpp: what it looks like
     void buildCentre();
     void buildDocks();
     void buildStatus();
-    void buildToolbar(QHBoxLayout& row);
+    void buildToolbar();
+    void showDocks();
+    // main_window_menus.cpp: commands
     void makeActions();
+    void connectActions();
     void buildMenus();
-    void fillRecent();
     void showShortcuts();
     QAction* makeAction(const QString& text, const QKeySequence& keys, const QString& tip);
     void addModeAction(const QString& text, Qt::Key key, ViewMode mode, const QString& tip);
+    // main_window_memory.cpp: what it remembers
+    void setTheme(Theme theme);
     void restore();
+    void remember();
+    void rememberFile(const QString& file);
+    void fillRecent();
 
     QSettings* settings_;
     std::shared_ptr<const DrawData> data_;
-    Mix bakedMix_; ///< of the newest job: groups that are off in it have no layer
+    QString file_;     ///< of the scene that is open
+    QByteArray docks_; ///< places of docks, to be taken when there is a scene
+    QUndoStack* undoStack_;
+    std::vector<LampSetting> lamps_; ///< as the newest step on the undo stack has them
+    BakeParams params_;              ///< likewise
+    Mix bakedMix_;                   ///< of the newest job: groups that are off in it have no layer
     Mix mix_;
     std::uint64_t mixSerial_ = 0, jobSerial_ = 0;
     std::optional<std::uint64_t> rowSerial_; ///< job whose snapshots stand in the row
     bool isBaking_ = false;
     BakeParams bakedParams_;
-    QTimer editDelay_;
+    QTimer editDelay_, frameTold_;
     QElapsedTimer toldClock_; ///< since progress was shown
 
     SceneLoader* loader_;
@@ -111,6 +128,8 @@ private:
     ViewWorker* worker_;
     Viewport* viewport_ = nullptr;
     QStackedWidget* pages_ = nullptr;
+    StartPage* startPage_ = nullptr;
+    QToolBar* tools_ = nullptr;
     QWidget* workPage_ = nullptr;
     MessageBar* messages_ = nullptr;
     SceneDock* sceneDock_ = nullptr;
@@ -121,9 +140,10 @@ private:
     QComboBox* tone_ = nullptr;
     QLabel *statusStage_ = nullptr, *statusLux_ = nullptr, *statusFrame_ = nullptr, *statusSize_ = nullptr;
     QMenu *recent_ = nullptr, *cameraMenu_ = nullptr, *panels_ = nullptr;
-    QAction *open_ = nullptr, *quit_ = nullptr, *frame_ = nullptr, *indirect_ = nullptr, *brighter_ = nullptr,
-            *darker_ = nullptr, *lightTheme_ = nullptr, *start_ = nullptr, *pause_ = nullptr, *cancel_ = nullptr,
-            *resetParams_ = nullptr, *shortcuts_ = nullptr, *about_ = nullptr;
+    QAction *open_ = nullptr, *reload_ = nullptr, *quit_ = nullptr, *frame_ = nullptr, *indirect_ = nullptr,
+            *brighter_ = nullptr, *darker_ = nullptr, *lightTheme_ = nullptr, *start_ = nullptr, *pause_ = nullptr,
+            *cancel_ = nullptr, *resetParams_ = nullptr, *shortcuts_ = nullptr, *about_ = nullptr, *undo_ = nullptr,
+            *redo_ = nullptr, *swapModes_ = nullptr, *lastMode_ = nullptr;
     QActionGroup* modes_ = nullptr;
 };
 

@@ -1,39 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How the window is put together: actions, menus, docks, bars. What they do stands in main_window.cpp.
-#include "shaders/common.h"
 #include "widgets/bake_bridge.h"
 #include "widgets/bake_panel.h"
-#include "widgets/gl/gl_probe.h"
 #include "widgets/main_window.h"
-#include "widgets/message_bar.h"
-#include "widgets/param_panel.h"
-#include "widgets/scene_dock.h"
-#include "widgets/snapshot_bar.h"
 #include "widgets/start_page.h"
 #include "widgets/viewport.h"
 #include <QAction>
 #include <QActionGroup>
 #include <QApplication>
-#include <QComboBox>
 #include <QDockWidget>
 #include <QDoubleSpinBox>
-#include <QFileInfo>
-#include <QHBoxLayout>
 #include <QLabel>
 #include <QMenuBar>
 #include <QMessageBox>
-#include <QScrollArea>
-#include <QSettings>
-#include <QStackedWidget>
-#include <QStatusBar>
-#include <QToolButton>
-#include <QVBoxLayout>
+#include <QUndoStack>
 
 namespace lightloom {
-
-namespace {
-constexpr int kMostRecent = 8;
-} // namespace
 
 QAction* MainWindow::makeAction(const QString& text, const QKeySequence& keys, const QString& tip)
 {
@@ -53,6 +35,10 @@ void MainWindow::addModeAction(const QString& text, Qt::Key key, ViewMode mode, 
     action->setCheckable(true);
     action->setChecked(mode == ViewMode::octree);
     modes_->addAction(action);
+    if (lastMode_ == nullptr) lastMode_ = action;
+    connect(action, &QAction::toggled, this, [this, action](bool on) {
+        if (!on) lastMode_ = action;
+    });
     connect(action, &QAction::triggered, this, [this, mode] {
         if (viewport_ != nullptr) viewport_->setMode(mode);
     });
@@ -61,12 +47,21 @@ void MainWindow::addModeAction(const QString& text, Qt::Key key, ViewMode mode, 
 void MainWindow::makeActions()
 {
     open_ = makeAction(tr("&Open..."), QKeySequence::Open, tr("Open a glTF scene"));
+    reload_ = makeAction(tr("Read a&gain"), QKeySequence(Qt::CTRL | Qt::Key_R),
+                         tr("Read the scene's file again and keep the camera"));
+    undo_ = undoStack_->createUndoAction(this, tr("&Undo"));
+    undo_->setShortcut(QKeySequence::Undo);
+    undo_->setStatusTip(tr("Take back the last edit of a lamp or a parameter"));
+    redo_ = undoStack_->createRedoAction(this, tr("&Redo"));
+    redo_->setShortcut(QKeySequence::Redo);
+    redo_->setStatusTip(tr("Make the edit again that was taken back"));
     quit_ = makeAction(tr("&Quit"), QKeySequence::Quit, tr("Close the window"));
     modes_ = new QActionGroup(this);
     // 2 to 4 are kept for methods that are not here yet
     addModeAction(tr("&Octree"), Qt::Key_1, ViewMode::octree, tr("Direct light and the baked indirect light"));
     addModeAction(tr("&Direct"), Qt::Key_5, ViewMode::direct, tr("Light that comes straight from the lamps (preview)"));
     addModeAction(tr("&Plain"), Qt::Key_6, ViewMode::plain, tr("Form without light"));
+    swapModes_ = makeAction(tr("S&wap views"), QKeySequence(Qt::Key_Tab), tr("Back to the view before this one"));
     indirect_ = makeAction(tr("&Indirect only"), QKeySequence(Qt::Key_I), tr("Show the baked indirect light alone"));
     indirect_->setCheckable(true);
     frame_ = makeAction(tr("&Frame all"), QKeySequence(Qt::Key_F), tr("Move back until the whole scene is in view"));
@@ -83,9 +78,15 @@ void MainWindow::makeActions()
     shortcuts_ =
         makeAction(tr("&Keys and mouse"), QKeySequence::HelpContents, tr("List every key and what the mouse does"));
     about_ = makeAction(tr("&About Lightloom"), {}, tr("Version and licence"));
-    for (QAction* action : {pause_, cancel_}) action->setEnabled(false);
+    for (QAction* action : {reload_, start_, pause_, cancel_}) action->setEnabled(false);
+    connectActions();
+}
 
+void MainWindow::connectActions()
+{
     connect(open_, &QAction::triggered, this, &MainWindow::chooseFile);
+    connect(reload_, &QAction::triggered, this, [this] { openScene(file_); });
+    connect(swapModes_, &QAction::triggered, this, [this] { lastMode_->trigger(); });
     connect(quit_, &QAction::triggered, this, &QWidget::close);
     connect(indirect_, &QAction::toggled, this, [this](bool on) {
         if (viewport_ != nullptr) viewport_->setIndirectOnly(on);
@@ -121,7 +122,7 @@ void MainWindow::makeActions()
 void MainWindow::buildMenus()
 {
     QMenu* file = menuBar()->addMenu(tr("&File"));
-    file->addAction(open_);
+    file->addActions({open_, reload_});
     recent_ = file->addMenu(tr("Open &recent"));
     QMenu* samples = file->addMenu(tr("&Sample scenes"));
     for (const QString& sample : sampleSceneFiles()) {
@@ -130,10 +131,13 @@ void MainWindow::buildMenus()
     samples->setEnabled(!samples->isEmpty());
     file->addSeparator();
     file->addAction(quit_);
-    menuBar()->addMenu(tr("&Edit"))->addAction(resetParams_);
+    QMenu* edit = menuBar()->addMenu(tr("&Edit"));
+    edit->addActions({undo_, redo_});
+    edit->addSeparator();
+    edit->addAction(resetParams_);
     QMenu* view = menuBar()->addMenu(tr("&View"));
     view->addActions(modes_->actions());
-    view->addAction(indirect_);
+    view->addActions({swapModes_, indirect_});
     view->addSeparator();
     view->addAction(frame_);
     cameraMenu_ = view->addMenu(tr("&Cameras"));
@@ -144,183 +148,12 @@ void MainWindow::buildMenus()
     view->addAction(lightTheme_);
     panels_ = view->addMenu(tr("Pa&nels"));
     for (QDockWidget* dock : findChildren<QDockWidget*>()) panels_->addAction(dock->toggleViewAction());
+    panels_->setEnabled(false);
     QMenu* bake = menuBar()->addMenu(tr("&Bake"));
     bake->addActions({start_, pause_, cancel_});
     QMenu* help = menuBar()->addMenu(tr("&Help"));
     help->addActions({shortcuts_, about_});
     fillRecent();
-}
-
-void MainWindow::buildToolbar(QHBoxLayout& row)
-{
-    const auto addButton = [&row](QAction* action) {
-        auto* button = new QToolButton;
-        button->setDefaultAction(action);
-        button->setToolButtonStyle(Qt::ToolButtonTextOnly);
-        button->setFocusPolicy(Qt::TabFocus);
-        row.addWidget(button);
-    };
-    for (QAction* action : modes_->actions()) addButton(action);
-    row.addSpacing(10);
-    addButton(indirect_);
-    row.addStretch(1);
-    auto* preview = new QLabel(tr("direct light: preview"));
-    preview->setForegroundRole(QPalette::PlaceholderText);
-    preview->setToolTip(
-        tr("Direct light in the window comes from shadow maps and sample lights. `lightloom-cli render` "
-           "traces it exactly."));
-    row.addWidget(preview);
-    row.addSpacing(10);
-    exposure_ = new QDoubleSpinBox;
-    exposure_->setRange(-10.0, 30.0);
-    exposure_->setDecimals(1);
-    exposure_->setSingleStep(1.0 / 3.0);
-    exposure_->setValue(10.0);
-    exposure_->setPrefix(tr("EV "));
-    exposure_->setAccessibleName(tr("Exposure value at ISO 100"));
-    exposure_->setToolTip(tr("Exposure value at ISO 100: one more shows half as bright. 1.2 x 2^EV cd/m² is white."));
-    tone_ = new QComboBox;
-    tone_->addItem(tr("No tone curve"), shader::kToneNone);
-    tone_->addItem(tr("Soft highlights"), shader::kToneSoft);
-    tone_->setCurrentIndex(1);
-    tone_->setAccessibleName(tr("Tone curve"));
-    tone_->setToolTip(tr("Soft highlights: straight up to 70 % of white, a shoulder above."));
-    row.addWidget(exposure_);
-    row.addWidget(tone_);
-    connect(exposure_, &QDoubleSpinBox::valueChanged, this, [this](double ev) {
-        if (viewport_ != nullptr) viewport_->setExposure(static_cast<float>(ev));
-    });
-    connect(tone_, &QComboBox::currentIndexChanged, this, [this] {
-        if (viewport_ != nullptr) viewport_->setTone(tone_->currentData().toInt());
-    });
-}
-
-void MainWindow::buildCentre()
-{
-    workPage_ = new QWidget;
-    auto* column = new QVBoxLayout(workPage_);
-    column->setContentsMargins(0, 0, 0, 0);
-    column->setSpacing(0);
-    auto* tools = new QHBoxLayout;
-    tools->setContentsMargins(6, 3, 6, 3);
-    buildToolbar(*tools);
-    column->addLayout(tools);
-    const Result<Done> gl = probeGl();
-    if (gl) {
-        viewport_ = new Viewport;
-        column->addWidget(viewport_, 1);
-    } else {
-        auto* instead = new QLabel(tr("No picture: %1.\nBakes and figures work all the same.")
-                                       .arg(QString::fromStdString(gl.error().message)));
-        instead->setObjectName(QStringLiteral("noOpenGl"));
-        instead->setAlignment(Qt::AlignCenter);
-        instead->setWordWrap(true);
-        column->addWidget(instead, 1);
-    }
-    snapshots_ = new SnapshotBar;
-    column->addWidget(snapshots_);
-    auto* start = new StartPage;
-    connect(start, &StartPage::openWanted, this, &MainWindow::chooseFile);
-    connect(start, &StartPage::sampleWanted, this, &MainWindow::openScene);
-    pages_ = new QStackedWidget;
-    pages_->addWidget(start);
-    pages_->addWidget(workPage_);
-    messages_ = new MessageBar;
-    auto* centre = new QWidget;
-    auto* all = new QVBoxLayout(centre);
-    all->setContentsMargins(0, 0, 0, 0);
-    all->setSpacing(0);
-    all->addWidget(messages_);
-    all->addWidget(pages_, 1);
-    setCentralWidget(centre);
-    // Space and letters belong to buttons and fields in the docks; here they are commands
-    for (QAction* action : {pause_, cancel_}) {
-        action->setShortcutContext(Qt::WidgetWithChildrenShortcut);
-        centre->addAction(action);
-    }
-}
-
-void MainWindow::buildDocks()
-{
-    const auto addDock = [this](const QString& title, const char* name, QWidget* inside, Qt::DockWidgetArea area) {
-        auto* dock = new QDockWidget(title, this);
-        dock->setObjectName(QString::fromLatin1(name));
-        dock->setFeatures(QDockWidget::DockWidgetClosable | QDockWidget::DockWidgetMovable);
-        dock->setWidget(inside);
-        addDockWidget(area, dock);
-        return dock;
-    };
-    sceneDock_ = new SceneDock;
-    QDockWidget* left = addDock(tr("Scene"), "sceneDock", sceneDock_, Qt::LeftDockWidgetArea);
-    bakePanel_ = new BakePanel(start_, pause_, cancel_);
-    paramPanel_ = new ParamPanel(Method::lightOctree);
-    auto* area = new QScrollArea;
-    area->setWidgetResizable(true);
-    area->setFrameShape(QFrame::NoFrame);
-    area->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-    area->setWidget(paramPanel_);
-    area->setMinimumWidth(paramPanel_->sizeHint().width() + 24);
-    auto* inside = new QWidget;
-    auto* column = new QVBoxLayout(inside);
-    column->setContentsMargins(0, 0, 0, 0);
-    column->addWidget(bakePanel_);
-    column->addWidget(area, 1);
-    QDockWidget* right = addDock(tr("Bake"), "bakeDock", inside, Qt::RightDockWidgetArea);
-    resizeDocks({left, right}, {200, 320}, Qt::Horizontal);
-}
-
-void MainWindow::buildStatus()
-{
-    statusStage_ = new QLabel;
-    statusLux_ = new QLabel(tr("- lx"));
-    statusFrame_ = new QLabel(tr("- ms"));
-    statusSize_ = new QLabel;
-    statusFrame_->setToolTip(tr("Time of the last picture. Coarse: drawn at lower resolution while the camera moves."));
-    statusBar()->addWidget(statusStage_, 1);
-    for (QLabel* label : {statusLux_, statusFrame_, statusSize_}) statusBar()->addPermanentWidget(label);
-    statusBar()->setSizeGripEnabled(false);
-}
-
-void MainWindow::setTheme(Theme theme)
-{
-    applyTheme(theme);
-    if (viewport_ != nullptr) viewport_->setBackground(viewportBackground(theme));
-}
-
-void MainWindow::restore()
-{
-    const bool isLight = settings_ != nullptr && settings_->value("lightTheme", false).toBool();
-    {
-        const QSignalBlocker quiet(lightTheme_);
-        lightTheme_->setChecked(isLight);
-    }
-    setTheme(isLight ? Theme::light : Theme::dark);
-    if (settings_ == nullptr) return;
-    restoreGeometry(settings_->value("geometry").toByteArray());
-    restoreState(settings_->value("docks").toByteArray());
-    tone_->setCurrentIndex(settings_->value("tone", 1).toInt() == 0 ? 0 : 1);
-}
-
-void MainWindow::rememberFile(const QString& file)
-{
-    if (settings_ == nullptr) return;
-    const QString full = QFileInfo(file).absoluteFilePath();
-    QStringList files = settings_->value("recent").toStringList();
-    files.removeAll(full);
-    files.prepend(full);
-    settings_->setValue("recent", QStringList(files.mid(0, kMostRecent)));
-    settings_->setValue("folder", QFileInfo(full).absolutePath());
-    fillRecent();
-}
-
-void MainWindow::fillRecent()
-{
-    recent_->clear();
-    const QStringList files = settings_ != nullptr ? settings_->value("recent").toStringList() : QStringList();
-    for (const QString& file : files) {
-        recent_->addAction(QFileInfo(file).fileName(), this, [this, file] { openScene(file); })->setStatusTip(file);
-    }
-    recent_->setEnabled(!files.isEmpty());
 }
 
 void MainWindow::showShortcuts()

@@ -6,7 +6,9 @@
 #include <QEvent>
 #include <QFormLayout>
 #include <QHBoxLayout>
+#include <QKeyEvent>
 #include <QLabel>
+#include <QLineEdit>
 #include <QToolButton>
 #include <QVBoxLayout>
 #include <algorithm>
@@ -36,6 +38,21 @@ class NumberBox final : public QDoubleSpinBox {
 public:
     using QDoubleSpinBox::QDoubleSpinBox;
     [[nodiscard]] QString textFromValue(double value) const override { return QString::number(value, 'g', 12); }
+
+protected:
+    /// Ctrl+Z takes typing back while there is some; after that it belongs to the window.
+    bool event(QEvent* event) override
+    {
+        if (event->type() == QEvent::ShortcutOverride) {
+            const auto* key = static_cast<QKeyEvent*>(event);
+            if ((key->matches(QKeySequence::Undo) && !lineEdit()->isUndoAvailable()) ||
+                (key->matches(QKeySequence::Redo) && !lineEdit()->isRedoAvailable())) {
+                event->ignore();
+                return true;
+            }
+        }
+        return QDoubleSpinBox::event(event);
+    }
 };
 
 QString groupTitle(Stage stage)
@@ -88,6 +105,7 @@ ParamPanel::ParamPanel(Method method, QWidget* parent) : QWidget(parent), preset
         title->setContentsMargins(0, 8, 0, 0);
         auto* form = new QFormLayout;
         form->setFieldGrowthPolicy(QFormLayout::AllNonFixedFieldsGrow);
+        form->setRowWrapPolicy(QFormLayout::WrapLongRows); // on small screens fields go below their labels
         const std::size_t before = rows_.size();
         for (const ParamSpec& spec : kParams) {
             const bool counts = (spec.methods & (1u << static_cast<unsigned>(method))) != 0;
@@ -113,7 +131,7 @@ void ParamPanel::addRow(const ParamSpec& spec, QFormLayout& form)
     row.editor->setToolTip(help);
     row.editor->setAccessibleName(text(spec.label));
     row.editor->setAccessibleDescription(text(spec.help));
-    row.editor->setMinimumWidth(110);
+    row.editor->setMinimumWidth(90);
     row.editor->setFocusPolicy(Qt::StrongFocus);
     row.editor->installEventFilter(new WheelNeedsFocus(row.editor));
     row.label->setToolTip(help);

@@ -8,11 +8,33 @@
 #include <QScrollArea>
 #include <QSlider>
 #include <QVBoxLayout>
+#include <algorithm>
 
 namespace lightloom {
 
 namespace {
-constexpr int kMostPercent = 200;
+constexpr int kMostPercent = 200, kMostRows = 6;
+
+/// Gives way where its text is longer than the dock is wide.
+class ElidingCheckBox final : public QCheckBox {
+public:
+    explicit ElidingCheckBox(const QString& full) : QCheckBox(full), full_(full)
+    {
+        setAccessibleName(full);
+        setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Fixed);
+    }
+
+protected:
+    void resizeEvent(QResizeEvent* event) override
+    {
+        const int room = width() - (QCheckBox::sizeHint().width() - fontMetrics().horizontalAdvance(text()));
+        setText(fontMetrics().elidedText(full_, Qt::ElideRight, room));
+        QCheckBox::resizeEvent(event);
+    }
+
+private:
+    QString full_;
+};
 
 QLabel* title(const QString& text)
 {
@@ -27,7 +49,7 @@ SceneDock::SceneDock(QWidget* parent)
 {
     cameras_->setAccessibleName(tr("Cameras"));
     cameras_->setToolTip(tr("Click to look through a camera of the scene."));
-    cameras_->setMaximumHeight(110);
+    cameras_->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff); // long names end in an ellipsis
     about_->setWordWrap(true);
     column_->setContentsMargins(6, 6, 6, 6);
     column_->addWidget(about_);
@@ -49,9 +71,10 @@ void SceneDock::setScene(const std::shared_ptr<const Scene>& scene)
     area->setWidgetResizable(true);
     area->setFrameShape(QFrame::NoFrame);
     area->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+    area->setMinimumWidth(fontMetrics().horizontalAdvance(QStringLiteral("Pendant lamp 200 % ...")));
     auto* inside = new QWidget;
     auto* rows = new QVBoxLayout(inside);
-    rows->setContentsMargins(0, 0, 0, 0);
+    rows->setContentsMargins(0, 0, 6, 0);
     if (scene) {
         std::size_t triangles = 0;
         for (const Instance& i : scene->instances) {
@@ -62,11 +85,14 @@ void SceneDock::setScene(const std::shared_ptr<const Scene>& scene)
                                  QLocale().toString(static_cast<qulonglong>(triangles)))
                             .arg(scene->instances.size()));
         for (const Camera& camera : scene->cameras) cameras_->addItem(QString::fromStdString(camera.name));
+        for (int i = 0; i < cameras_->count(); ++i) cameras_->item(i)->setToolTip(cameras_->item(i)->text());
         for (const LightGroup& group : scene->groups) addLamp(group, *rows);
         if (scene->groups.empty()) rows->addWidget(new QLabel(tr("This scene has no lamps.")));
     } else {
         about_->setText(tr("No scene is open."));
     }
+    const int shown = std::clamp(cameras_->count(), 1, kMostRows);
+    cameras_->setFixedHeight(shown * std::max(cameras_->sizeHintForRow(0), fontMetrics().height()) + 6);
     rows->addStretch(1);
     area->setWidget(inside);
     lampBox_ = area;
@@ -76,13 +102,14 @@ void SceneDock::setScene(const std::shared_ptr<const Scene>& scene)
 void SceneDock::addLamp(const LightGroup& group, QVBoxLayout& column)
 {
     const QString name = QString::fromStdString(group.label.empty() ? group.id : group.label);
-    Lamp lamp{new QCheckBox(name), new QSlider(Qt::Horizontal), new QLabel};
+    Lamp lamp{new ElidingCheckBox(name), new QSlider(Qt::Horizontal), new QLabel};
     lamp.on->setChecked(true);
     lamp.on->setObjectName("lamp." + QString::fromStdString(group.id));
-    lamp.on->setToolTip(tr("Switch %1 on or off").arg(QString::fromStdString(group.id)));
+    lamp.on->setToolTip(tr("%1: on or off (light group %2)").arg(name, QString::fromStdString(group.id)));
     lamp.gain->setObjectName("gain." + QString::fromStdString(group.id));
     lamp.gain->setRange(0, kMostPercent);
     lamp.gain->setPageStep(10);
+    lamp.gain->setMinimumWidth(50);
     lamp.gain->setValue(100);
     lamp.gain->setAccessibleName(tr("Brightness of %1 in percent").arg(name));
     lamp.gain->setToolTip(tr("Dims without a new bake. 100 % is the lamp as the file has it."));
@@ -97,16 +124,36 @@ void SceneDock::addLamp(const LightGroup& group, QVBoxLayout& column)
     column.addLayout(row);
     QLabel* value = lamp.value;
     QSlider* gain = lamp.gain;
-    connect(gain, &QSlider::valueChanged, this, [this, value](int percent) {
+    const int index = static_cast<int>(lamps_.size());
+    connect(gain, &QSlider::valueChanged, this, [this, value, index](int percent) {
         value->setText(QStringLiteral("%1 %").arg(percent));
-        Q_EMIT mixEdited();
+        if (!filling_) Q_EMIT lampEdited(index, true);
     });
-    connect(lamp.on, &QCheckBox::toggled, this, [this, gain](bool on) {
+    connect(lamp.on, &QCheckBox::toggled, this, [this, gain, index](bool on) {
         gain->setEnabled(on);
-        Q_EMIT mixEdited();
+        if (!filling_) Q_EMIT lampEdited(index, false);
     });
     lamps_.push_back(lamp);
 }
+
+std::vector<LampSetting> SceneDock::lampSettings() const
+{
+    std::vector<LampSetting> settings;
+    for (const Lamp& lamp : lamps_) settings.push_back({lamp.on->isChecked(), lamp.gain->value()});
+    return settings;
+}
+
+void SceneDock::setLampSettings(const std::vector<LampSetting>& settings)
+{
+    filling_ = true;
+    for (std::size_t i = 0; i < std::min(lamps_.size(), settings.size()); ++i) {
+        lamps_[i].gain->setValue(settings[i].percent);
+        lamps_[i].on->setChecked(settings[i].isOn);
+    }
+    filling_ = false;
+}
+
+QString SceneDock::lampName(int lamp) const { return lamps_[static_cast<std::size_t>(lamp)].on->accessibleName(); }
 
 Mix SceneDock::mix() const
 {

@@ -13,6 +13,13 @@ class QVBoxLayout;
 
 namespace lightloom {
 
+/// A lamp as its switch and dimmer have it.
+struct LampSetting {
+    bool isOn = true;
+    int percent = 100; ///< kept while it is off
+    bool operator==(const LampSetting&) const = default;
+};
+
 /// Cameras and lamps of the open scene. A lamp is a light group: a check box switches it, a slider dims it.
 class SceneDock final : public QWidget {
     Q_OBJECT
@@ -20,10 +27,13 @@ public:
     explicit SceneDock(QWidget* parent = nullptr);
     void setScene(const std::shared_ptr<const Scene>& scene); ///< null: empty. Lamps are at 100 % and on
     [[nodiscard]] Mix mix() const;                            ///< what check boxes and sliders say
+    [[nodiscard]] std::vector<LampSetting> lampSettings() const;
+    void setLampSettings(const std::vector<LampSetting>& settings); ///< one per lamp; sends no signal
+    [[nodiscard]] QString lampName(int lamp) const;
 
 Q_SIGNALS:
     void cameraChosen(int index);
-    void mixEdited();
+    void lampEdited(int lamp, bool isDimmed); ///< else switched
 
 private:
     struct Lamp {
@@ -38,6 +48,7 @@ private:
     QVBoxLayout* column_;
     QLabel* about_;
     std::vector<Lamp> lamps_;
+    bool filling_ = false; ///< values are being shown, not edited
 };
 
 } // namespace lightloom

@@ -2,17 +2,25 @@
 #include "widgets/snapshot_bar.h"
 #include <QHBoxLayout>
 #include <QLabel>
+#include <QTimer>
 #include <QToolButton>
 
 namespace lightloom {
 
 SnapshotBar::SnapshotBar(QWidget* parent)
-    : QWidget(parent), row_(new QHBoxLayout(this)), empty_(new QLabel(tr("none yet")))
+    : QScrollArea(parent), row_(new QHBoxLayout), empty_(new QLabel(tr("none yet")))
 {
     row_->setContentsMargins(8, 2, 8, 2);
     row_->addWidget(new QLabel(tr("Snapshots:")));
     row_->addWidget(empty_);
     row_->addStretch(1);
+    auto* inside = new QWidget;
+    inside->setLayout(row_);
+    setWidget(inside);
+    setWidgetResizable(true);
+    setFrameShape(QFrame::NoFrame);
+    setVerticalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+    setFixedHeight(QToolButton().sizeHint().height() + fontMetrics().height() + 4); // room for a scroll bar below
     setToolTip(tr("Refinements of this bake. Click one to look at it; the last one follows the bake."));
 }
 
@@ -48,6 +56,8 @@ void SnapshotBar::add(const BakeView& view)
         Q_EMIT chosen();
     });
     choose(follows ? index : shown_);
+    if (follows)
+        QTimer::singleShot(0, button, [this, button] { ensureWidgetVisible(button, 0, 0); }); // it has a place then
 }
 
 void SnapshotBar::choose(std::size_t index)

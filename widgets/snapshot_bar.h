@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "widgets/bake_view.h"
-#include <QWidget>
+#include <QScrollArea>
 #include <vector>
 
 class QHBoxLayout;
@@ -11,8 +11,8 @@ class QToolButton;
 namespace lightloom {
 
 /// The refinements of the running or last bake, oldest first. The newest is shown until the user clicks another one;
-/// clicking the newest follows again.
-class SnapshotBar final : public QWidget {
+/// clicking the newest follows again. Scrolls where the window is narrow.
+class SnapshotBar final : public QScrollArea {
     Q_OBJECT
 public:
     explicit SnapshotBar(QWidget* parent = nullptr);

@@ -50,8 +50,8 @@ QPalette paletteOf(const Greys& g)
 void applyTheme(Theme theme)
 {
     QApplication::setStyle(QStyleFactory::create(QStringLiteral("Fusion")));
-    const Greys dark{50, 38, 58, 66, 226, 150, 30, QColor(38, 110, 160), Qt::white, QColor(120, 190, 235)};
-    const Greys light{236, 250, 226, 228, 24, 110, 170, QColor(24, 96, 150), Qt::white, QColor(20, 90, 150)};
+    const Greys dark{50, 38, 58, 66, 226, 165, 30, QColor(38, 110, 160), Qt::white, QColor(120, 190, 235)};
+    const Greys light{236, 250, 226, 228, 24, 100, 170, QColor(24, 96, 150), Qt::white, QColor(20, 90, 150)};
     QApplication::setPalette(paletteOf(theme == Theme::dark ? dark : light));
     QToolTip::setPalette(QApplication::palette());
     // Fusion shows a pressed-in button by a hint of grey; what is active must be plain to see

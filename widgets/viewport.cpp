@@ -66,16 +66,21 @@ void Viewport::releaseGl()
     doneCurrent();
 }
 
-void Viewport::setScene(std::shared_ptr<const DrawData> drawn)
+void Viewport::setScene(std::shared_ptr<const DrawData> drawn, bool keepCamera)
 {
+    keepCamera = keepCamera && data_ && drawn;
+    const glm::dvec3 moved = keepCamera ? data_->scene->origin - drawn->scene->origin : glm::dvec3(0.0);
     data_ = std::move(drawn);
     octree_.reset();
     mix_.clear();
     sceneIsNew_ = mixIsNew_ = true;
     octreeIsNew_ = false; // the renderer drops the old one with the scene
     shadowsReady_ = false;
-    needsMetering_ = data_ && !data_->scene->exposureEv;
-    if (data_) {
+    if (keepCamera) {
+        camera_.setBounds(data_->scene->bounds);
+        camera_.shift(glm::vec3(moved));
+    } else if (data_) {
+        needsMetering_ = !data_->scene->exposureEv;
         const Scene& scene = *data_->scene;
         camera_ = CameraControl();
         camera_.setBounds(scene.bounds);

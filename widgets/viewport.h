@@ -25,7 +25,8 @@ public:
     explicit Viewport(QWidget* parent = nullptr);
     ~Viewport() override;
 
-    void setScene(std::shared_ptr<const DrawData> drawn); ///< null: empty
+    /// Null: empty. `keepCamera`: the same place in the file's frame, for a scene that was read again.
+    void setScene(std::shared_ptr<const DrawData> drawn, bool keepCamera = false);
     void setLight(const BakeView& view);
     void setBusy(bool busy); ///< a bake wants the processor
     void setMix(const Mix& mix);

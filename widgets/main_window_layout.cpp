@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Where things are in the window: picture, docks, bars.
+#include "shaders/common.h"
+#include "widgets/bake_panel.h"
+#include "widgets/gl/gl_probe.h"
+#include "widgets/main_window.h"
+#include "widgets/message_bar.h"
+#include "widgets/param_panel.h"
+#include "widgets/scene_dock.h"
+#include "widgets/snapshot_bar.h"
+#include "widgets/start_page.h"
+#include "widgets/viewport.h"
+#include <QAction>
+#include <QActionGroup>
+#include <QComboBox>
+#include <QDockWidget>
+#include <QDoubleSpinBox>
+#include <QHBoxLayout>
+#include <QLabel>
+#include <QMenu>
+#include <QScrollArea>
+#include <QStackedWidget>
+#include <QStatusBar>
+#include <QToolBar>
+#include <QVBoxLayout>
+
+namespace lightloom {
+
+void MainWindow::buildToolbar()
+{
+    QToolBar& row = *tools_; // what does not fit goes into its menu
+    row.setToolButtonStyle(Qt::ToolButtonTextOnly);
+    row.addActions(modes_->actions());
+    row.addSeparator();
+    row.addAction(indirect_);
+    auto* space = new QWidget;
+    space->setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Preferred);
+    row.addWidget(space);
+    auto* preview = new QLabel(tr("direct light: preview"));
+    preview->setForegroundRole(QPalette::PlaceholderText);
+    preview->setToolTip(
+        tr("Direct light in the window comes from shadow maps and sample lights. `lightloom-cli render` "
+           "traces it exactly."));
+    preview->setContentsMargins(0, 0, 10, 0);
+    row.addWidget(preview);
+    exposure_ = new QDoubleSpinBox;
+    exposure_->setRange(-10.0, 30.0);
+    exposure_->setDecimals(1);
+    exposure_->setSingleStep(1.0 / 3.0);
+    exposure_->setValue(10.0);
+    exposure_->setPrefix(tr("EV "));
+    exposure_->setAccessibleName(tr("Exposure value at ISO 100"));
+    exposure_->setToolTip(tr("Exposure value at ISO 100: one more shows half as bright. 1.2 x 2^EV cd/m² is white."));
+    tone_ = new QComboBox;
+    tone_->addItem(tr("No tone curve"), shader::kToneNone);
+    tone_->addItem(tr("Soft highlights"), shader::kToneSoft);
+    tone_->setCurrentIndex(1);
+    tone_->setAccessibleName(tr("Tone curve"));
+    tone_->setToolTip(tr("Soft highlights: straight up to 70 % of white, a shoulder above."));
+    row.addWidget(exposure_);
+    row.addWidget(tone_);
+    connect(exposure_, &QDoubleSpinBox::valueChanged, this, [this](double ev) {
+        if (viewport_ != nullptr) viewport_->setExposure(static_cast<float>(ev));
+    });
+    connect(tone_, &QComboBox::currentIndexChanged, this, [this] {
+        if (viewport_ != nullptr) viewport_->setTone(tone_->currentData().toInt());
+    });
+}
+
+void MainWindow::buildCentre()
+{
+    workPage_ = new QWidget;
+    auto* column = new QVBoxLayout(workPage_);
+    column->setContentsMargins(0, 0, 0, 0);
+    column->setSpacing(0);
+    tools_ = new QToolBar;
+    buildToolbar();
+    column->addWidget(tools_);
+    const Result<Done> gl = probeGl();
+    if (gl) {
+        viewport_ = new Viewport;
+        column->addWidget(viewport_, 1);
+    } else {
+        auto* instead = new QLabel(tr("No picture: %1.\nBakes and figures work all the same.")
+                                       .arg(QString::fromStdString(gl.error().message)));
+        instead->setObjectName(QStringLiteral("noOpenGl"));
+        instead->setAlignment(Qt::AlignCenter);
+        instead->setWordWrap(true);
+        column->addWidget(instead, 1);
+    }
+    snapshots_ = new SnapshotBar;
+    column->addWidget(snapshots_);
+    startPage_ = new StartPage;
+    connect(startPage_, &StartPage::openWanted, this, &MainWindow::chooseFile);
+    connect(startPage_, &StartPage::sceneWanted, this, &MainWindow::openScene);
+    pages_ = new QStackedWidget;
+    pages_->addWidget(startPage_);
+    pages_->addWidget(workPage_);
+    messages_ = new MessageBar;
+    auto* centre = new QWidget;
+    auto* all = new QVBoxLayout(centre);
+    all->setContentsMargins(0, 0, 0, 0);
+    all->setSpacing(0);
+    all->addWidget(messages_);
+    all->addWidget(pages_, 1);
+    setCentralWidget(centre);
+    // Space and letters belong to buttons and fields in the docks; here they are commands
+    for (QAction* action : {pause_, cancel_}) {
+        action->setShortcutContext(Qt::WidgetWithChildrenShortcut);
+        centre->addAction(action);
+    }
+    if (viewport_ == nullptr) return;
+    swapModes_->setShortcutContext(Qt::WidgetShortcut); // elsewhere Tab moves the focus, here Shift+Tab does
+    viewport_->addAction(swapModes_);
+}
+
+void MainWindow::buildDocks()
+{
+    const auto addDock = [this](const QString& title, const char* name, QWidget* inside, Qt::DockWidgetArea area) {
+        auto* dock = new QDockWidget(title, this);
+        dock->setObjectName(QString::fromLatin1(name));
+        dock->setFeatures(QDockWidget::DockWidgetClosable | QDockWidget::DockWidgetMovable);
+        dock->setWidget(inside);
+        addDockWidget(area, dock);
+        dock->hide(); // there is nothing in them before a scene is open
+    };
+    sceneDock_ = new SceneDock;
+    addDock(tr("Scene"), "sceneDock", sceneDock_, Qt::LeftDockWidgetArea);
+    bakePanel_ = new BakePanel(start_, pause_, cancel_);
+    paramPanel_ = new ParamPanel(Method::lightOctree);
+    auto* inside = new QWidget;
+    auto* column = new QVBoxLayout(inside);
+    column->setContentsMargins(0, 0, 0, 0);
+    column->addWidget(bakePanel_);
+    column->addWidget(paramPanel_, 1);
+    auto* area = new QScrollArea;
+    area->setWidgetResizable(true);
+    area->setFrameShape(QFrame::NoFrame);
+    area->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+    area->setWidget(inside);
+    area->setMinimumWidth(fontMetrics().horizontalAdvance(QStringLiteral("Largest gather radius and then some")));
+    addDock(tr("Bake"), "bakeDock", area, Qt::RightDockWidgetArea);
+}
+
+void MainWindow::showDocks()
+{
+    auto* left = findChild<QDockWidget*>(QStringLiteral("sceneDock"));
+    auto* right = findChild<QDockWidget*>(QStringLiteral("bakeDock"));
+    for (QDockWidget* dock : {left, right}) dock->show();
+    panels_->setEnabled(true);
+    if (!docks_.isEmpty() && restoreState(docks_)) return;
+    const int wanted = paramPanel_->sizeHint().width() + 24;
+    resizeDocks({left, right}, {200, std::min(wanted, width() / 3)}, Qt::Horizontal);
+}
+
+void MainWindow::buildStatus()
+{
+    statusStage_ = new QLabel;
+    statusLux_ = new QLabel;
+    statusFrame_ = new QLabel;
+    statusSize_ = new QLabel;
+    statusFrame_->setToolTip(tr("Time of the last picture. Coarse: drawn at lower resolution while the camera moves."));
+    statusStage_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred); // it gives way first
+    statusBar()->addWidget(statusStage_, 1);
+    for (QLabel* label : {statusLux_, statusFrame_, statusSize_}) statusBar()->addPermanentWidget(label);
+    statusBar()->setSizeGripEnabled(false);
+}
+
+} // namespace lightloom
