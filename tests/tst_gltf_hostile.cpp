@@ -8,6 +8,7 @@
 #include "core/scene/gltf_reader.h"
 #include "core/scene/image_decode.h"
 #include "tests/gltf_builder.h"
+#include "tests/time_limits.h"
 #include <QElapsedTimer>
 #include <QTemporaryDir>
 #include <QtTest>
@@ -89,20 +90,15 @@ QString show(const Result<std::shared_ptr<const Scene>>& scene)
     return scene ? QString("it was read") : QString::fromStdString(scene.error().message);
 }
 
-/// Time this thread has spent computing: what a file costs, whoever else uses the machine. Sanitizers slow code down.
+/// Time this program has spent computing: what a file costs, whoever else uses the machine.
 class CpuClock {
 public:
     [[nodiscard]] bool isWithinASecond() const
     {
-        return static_cast<double>(now() - start_) <= kSecond * CLOCKS_PER_SEC;
+        return static_cast<double>(now() - start_) <= kSanitizerSlowdown * CLOCKS_PER_SEC;
     }
 
 private:
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-    static constexpr double kSecond = 8.0;
-#else
-    static constexpr double kSecond = 1.0;
-#endif
     static std::clock_t now() { return std::clock(); }
     std::clock_t start_ = now();
 };

@@ -95,7 +95,9 @@ private Q_SLOTS:
     void refusedElementsFaceNothing()
     {
         const auto rays = *RayScene::build(share(furnishedRoom()));
-        const SideElements elements(*rays);
+        Workers workers;
+        const auto made = SideElements::build(*rays, workers, {});
+        const SideElements& elements = *made;
         Rng rng(7, 0, 0);
         std::uint64_t refused = 0, facing = 0;
         for (int i = 0; i < 200'000; ++i) {

@@ -82,7 +82,7 @@ private Q_SLOTS:
         const LightSampler lights(rays);
         Workers workers(2);
         const auto reach = LightReach::find(*rays, lights, workers, {});
-        const SurfaceArea area(*reach);
+        const std::shared_ptr<const SurfaceArea> area = SurfaceArea::build(*reach);
         const auto octree = buildOctree(rays->scene().bounds, *reach, depth, static_cast<float>(shift), workers, {});
         double sum = 0.0;
         for (std::size_t i = 0; i < octree->cells.size(); ++i) {
@@ -99,8 +99,8 @@ private Q_SLOTS:
             }
             QCOMPARE(octree->leafAt(glm::ivec3(mortonCell(octree->cells[i]))), static_cast<std::int64_t>(i));
         }
-        QVERIFY2(std::abs(sum / area.total() - 1.0) <= 1e-5,
-                 qPrintable(QString("%1 of %2").arg(sum).arg(area.total())));
+        QVERIFY2(std::abs(sum / area->total() - 1.0) <= 1e-5,
+                 qPrintable(QString("%1 of %2").arg(sum).arg(area->total())));
         QCOMPARE(octree->leafAt({-1, 0, 0}), std::int64_t(-1));
         QCOMPARE(octree->leafAt({1 << depth, 0, 0}), std::int64_t(-1));
     }

@@ -5,9 +5,11 @@
 #include "core/photonmap/photon_map_solver.h"
 #include "core/scene/sample_scenes.h"
 #include "tests/bake_helpers.h"
+#include "tests/time_limits.h"
 #include <QElapsedTimer>
 #include <QtTest>
 #include <cstring>
+#include <limits>
 
 using namespace lightloom;
 
@@ -109,38 +111,34 @@ private Q_SLOTS:
 
     void cancelIsQuickAtEveryStage_data()
     {
+        QTest::addColumn<bool>("large");
         QTest::addColumn<int>("waitMs");
-        for (const int ms : {0, 5, 30, 80, 200, 400, 800}) QTest::addRow("after %d ms", ms) << ms;
+        for (const int ms : {5, 30, 80, 200, 400, 800}) QTest::addRow("after %d ms", ms) << false << ms;
+        for (const int ms : {40, 90, 150, 220, 300, 400, 800}) QTest::addRow("large, after %d ms", ms) << true << ms;
     }
     void cancelIsQuickAtEveryStage()
     {
+        QFETCH(bool, large);
         QFETCH(int, waitMs);
+        BakeJob what = job(1'000'000, 8);
+        if (large) what.scene = largeScene();
+        // the best of three: others may be using this machine, and a stage that cannot be stopped is slow every time
+        double took = std::numeric_limits<double>::infinity();
+        for (int attempt = 0; attempt < 3 && !(took <= kCancelMs); ++attempt) {
+            took = std::min(took, cancelAfter(what, waitMs));
+        }
+        QVERIFY2(took <= kCancelMs, qPrintable(QString("%1 ms").arg(took)));
+    }
+
+    void cancelBeforeItBegins()
+    {
         Workers workers(2);
         Seen seen;
         BakeSession session(workers, std::make_unique<OctreeSolver>(), seen.sinks());
         session.post(job(1'000'000, 8));
-        QTest::qWait(waitMs);
-        QElapsedTimer timer;
-        timer.start();
-        session.cancel();
-        if (waitMs == 0) { // the worker may not even have begun
-            QTest::qWait(200);
-            QVERIFY(seen.ended() <= 1);
-            return;
-        }
-        while (seen.ended() == 0 && timer.elapsed() < 5000) QThread::msleep(1);
-        // 100 ms is the promise on a free machine; others may be using this one
-        const auto took = static_cast<double>(timer.elapsed());
-        QVERIFY2(took <= 100.0 * loadFactor(), qPrintable(QString("%1 ms").arg(took)));
-        QVERIFY(!seen.finished[0].second);
-        for (const Snapshot& s : seen.snapshots) {
-            const glm::vec3 lux = s.field->irradiance(
-                job(0).scene->bounds.centre() - glm::vec3(0, job(0).scene->bounds.size().y / 2, 0), {0, 1, 0});
-            QVERIFY(std::isfinite(lux.x));
-        }
-        session.post(job(1000, 4)); // and it goes on afterwards
-        QTRY_COMPARE_WITH_TIMEOUT(seen.ended(), std::size_t(2), 60'000);
-        QVERIFY(seen.finished[1].second);
+        session.cancel(); // the worker may not even have begun: then nobody is told
+        QTest::qWait(200);
+        QVERIFY(seen.ended() <= 1);
     }
 
     void pauseHolds()
@@ -201,12 +199,37 @@ private Q_SLOTS:
     }
 
 private:
-    /// How much slower than free this machine is just now, at least 1: load per core.
-    static double loadFactor()
+    static constexpr double kCancelMs = 100.0 * test::kSanitizerSlowdown; ///< the contract, on a free machine
+
+    static std::shared_ptr<const Scene> largeScene()
     {
-        double load = 0.0;
-        if (getloadavg(&load, 1) != 1) return 1.0;
-        return std::max(1.0, load / static_cast<double>(std::max(1u, std::thread::hardware_concurrency())));
+        static const auto scene = test::share(*sampleScene("figure", 500'000));
+        return scene;
+    }
+
+    /// Milliseconds until a bake that has run for `waitMs` ends after a cancel. What it published must be usable, and
+    /// the session must go on.
+    static double cancelAfter(const BakeJob& what, int waitMs)
+    {
+        Workers workers(2);
+        Seen seen;
+        BakeSession session(workers, std::make_unique<OctreeSolver>(), seen.sinks());
+        session.post(what);
+        QTest::qWait(waitMs);
+        QElapsedTimer timer;
+        timer.start();
+        session.cancel();
+        while (seen.ended() == 0 && timer.elapsed() < 30'000) QThread::usleep(200);
+        const double took = static_cast<double>(timer.nsecsElapsed()) * 1e-6;
+        if (seen.ended() == 0 || seen.finished[0].second) return std::numeric_limits<double>::infinity();
+        const Bounds& bounds = what.scene->bounds;
+        for (const Snapshot& s : seen.snapshots) {
+            const glm::vec3 floor = bounds.centre() - glm::vec3(0, bounds.size().y / 2, 0);
+            if (!std::isfinite(s.field->irradiance(floor, {0, 1, 0}).x)) return std::numeric_limits<double>::infinity();
+        }
+        session.post(job(1000, 4));
+        for (int i = 0; i < 6000 && seen.ended() < 2; ++i) QTest::qWait(10);
+        return seen.ended() == 2 && seen.finished[1].second ? took : std::numeric_limits<double>::infinity();
     }
 };
 

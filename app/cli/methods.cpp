@@ -17,7 +17,7 @@ namespace {
 /// Runs the method's solver on the scene as it is (all lamps on) and keeps its last field.
 Result<Done> bakeNow(const Context& context, const LightingRequest& request, double share, Lighting& lighting)
 {
-    Result<std::shared_ptr<const Scene>> scene = readScene(request.scene, context.log);
+    Result<std::shared_ptr<const Scene>> scene = readScene(request.scene, context.log, context.stop);
     if (!scene) return scene.error();
     const BakeJob job{*scene, lighting.params, {}, request.options.isa, 0};
     BakeProducts products;
@@ -67,8 +67,9 @@ Result<Done> fromPhotons(const Context& context, const BakeFile& file, Lighting&
         maps.push_back(photons ? PhotonMap::build(photons, context.stop) : nullptr);
         if (photons && !maps.back()) return cancelled();
     }
-    lighting.field =
-        photonMapField(lighting.params, lit.scene->bounds, std::make_shared<SurfaceArea>(*reach), maps, Mix{});
+    const auto area = SurfaceArea::build(*reach, context.stop);
+    if (!area) return cancelled();
+    lighting.field = photonMapField(lighting.params, lit.scene->bounds, area, maps, Mix{});
     return Done{};
 }
 
@@ -96,7 +97,7 @@ Result<Done> readBaked(const Context& context, const LightingRequest& request, L
 
 Result<LitScene> readLitScene(const Context& context, const std::string& path, Isa isa)
 {
-    Result<std::shared_ptr<const Scene>> scene = readScene(path, context.log);
+    Result<std::shared_ptr<const Scene>> scene = readScene(path, context.log, context.stop);
     if (!scene) return scene.error();
     Result<std::shared_ptr<const RayScene>> rays = RayScene::build(*scene, isa, context.stop);
     if (!rays) return rays.error();

@@ -80,6 +80,7 @@ std::shared_ptr<const OctreeGeometry> buildOctree(const Bounds& bounds, const Li
     LeafBuilder builder(reach.facets(), lattice.lowest, *geometry);
     const std::vector<CellPiece>& pieces = clipped.pieces;
     for (std::size_t i = 0; i < pieces.size(); ++i) {
+        if (i % 65'536 == 0 && stop.stop_requested()) return nullptr;
         builder.add(pieces[i]);
         if (i + 1 == pieces.size() || pieces[i + 1].cell != pieces[i].cell) builder.finish(pieces[i].cell);
     }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/photonmap/photon_map.h"
+#include "core/base/ordering.h"
 #include <algorithm>
 #include <bit>
 #include <limits>
@@ -18,11 +19,12 @@ std::uint32_t leftBlocks(std::uint32_t blocks) { return (blocks + 1) / 2; }
 
 /// Orders by (coordinate, number): with ties broken the tree is the same on any machine.
 template<int Axis, class Record>
-void splitAt(Record* first, Record* middle, Record* last)
+bool splitAt(Record* first, Record* middle, Record* last, const std::stop_token& stop)
 {
-    std::nth_element(first, middle, last, [](const Record& a, const Record& b) {
+    const auto isBefore = [](const Record& a, const Record& b) {
         return a.p[Axis] != b.p[Axis] ? a.p[Axis] < b.p[Axis] : a.number < b.number;
-    });
+    };
+    return selectNth(first, middle, last, isBefore, stop);
 }
 
 int widestAxis(glm::vec3 size)
@@ -40,6 +42,7 @@ std::shared_ptr<const PhotonMap> PhotonMap::build(std::shared_ptr<const PhotonPa
     if (photons.empty()) return map;
     std::vector<Record> records(photons.size());
     for (std::uint32_t i = 0; i < records.size(); ++i) {
+        if (i % 65'536 == 0 && stop.stop_requested()) return nullptr;
         const glm::vec3 p = photons[i].position;
         records[i] = {{p.x, p.y, p.z}, i};
     }
@@ -82,17 +85,8 @@ void PhotonMap::split(std::vector<Record>& records, std::uint32_t firstBlock, st
     const int axis = widestAxis(high - low);
     const std::uint32_t left = leftBlocks(blocks);
     Record* middle = first + std::size_t(left) * kBlock;
-    switch (axis) {
-    case 0:
-        splitAt<0>(first, middle, last);
-        break;
-    case 1:
-        splitAt<1>(first, middle, last);
-        break;
-    default:
-        splitAt<2>(first, middle, last);
-        break;
-    }
+    const auto splitAlong = axis == 0 ? splitAt<0, Record> : axis == 1 ? splitAt<1, Record> : splitAt<2, Record>;
+    if (!splitAlong(first, middle, last, stop)) return;
     nodes_[node] = {middle->p[axis], axis};
     split(records, firstBlock, left, 2 * node + 1, stop);
     split(records, firstBlock + left, blocks - left, 2 * node + 2, stop);

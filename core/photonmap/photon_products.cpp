@@ -94,7 +94,8 @@ Result<PhotonProducts> photonProducts(const BakeJob& job, BakeProducts& products
     result.area = products.find<SurfaceArea>(result.scene.key);
     if (!result.area) {
         const StageClock clock("area", control);
-        result.area = std::make_shared<SurfaceArea>(*result.scene.reach);
+        result.area = SurfaceArea::build(*result.scene.reach, control.stop());
+        if (!result.area) return cancelled();
         products.keep(result.scene.key, result.area, clock.stop());
     }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/photonmap/surface_area.h"
+#include "core/base/ordering.h"
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -57,14 +58,20 @@ double triangleAreaInBall(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, glm::dvec3 c
     return std::clamp(area, 0.0, 0.5 * twice);
 }
 
-SurfaceArea::SurfaceArea(const LightReach& reach) : facets_(reach.facets()), total_(reach.area())
+SurfaceArea::SurfaceArea(const LightReach& reach) : facets_(reach.facets()), total_(reach.area()) {}
+
+std::shared_ptr<const SurfaceArea> SurfaceArea::build(const LightReach& reach, const std::stop_token& stop)
 {
-    if (!facets_.empty()) build(0, static_cast<std::uint32_t>(facets_.size()));
+    const std::shared_ptr<SurfaceArea> made(new SurfaceArea(reach));
+    const auto count = static_cast<std::uint32_t>(made->facets_.size());
+    if (count > 0) made->split(0, count, stop);
+    if (stop.stop_requested()) return nullptr;
+    return made;
 }
 
-std::uint32_t SurfaceArea::build(std::uint32_t first, std::uint32_t last)
+std::uint32_t SurfaceArea::split(std::uint32_t first, std::uint32_t last, const std::stop_token& stop)
 {
-    constexpr std::uint32_t kLeaf = 4;
+    constexpr std::uint32_t kLeaf = 4, kLong = 16'384; // a long list looks at the stop
     glm::vec3 low(std::numeric_limits<float>::max()), high(-low), lowCentre(low), highCentre(high);
     for (std::uint32_t i = first; i < last; ++i) {
         const ReachedFacet& f = facets_[i];
@@ -76,17 +83,18 @@ std::uint32_t SurfaceArea::build(std::uint32_t first, std::uint32_t last)
     }
     const auto node = static_cast<std::uint32_t>(boxes_.size());
     boxes_.push_back({low, high, first, last - first});
-    if (last - first <= kLeaf) return node;
+    if (last - first <= kLeaf || (last - first > kLong && stop.stop_requested())) return node;
 
     const glm::vec3 size = highCentre - lowCentre;
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
     const std::uint32_t middle = first + (last - first) / 2;
-    std::nth_element(facets_.begin() + first, facets_.begin() + middle, facets_.begin() + last,
-                     [axis](const ReachedFacet& a, const ReachedFacet& b) {
-                         return a.a[axis] + a.b[axis] + a.c[axis] < b.a[axis] + b.b[axis] + b.c[axis];
-                     });
-    build(first, middle);
-    const std::uint32_t right = build(middle, last);
+    const auto isBefore = [axis](const ReachedFacet& a, const ReachedFacet& b) {
+        return a.a[axis] + a.b[axis] + a.c[axis] < b.a[axis] + b.b[axis] + b.c[axis];
+    };
+    const auto at = [this](std::uint32_t i) { return facets_.begin() + i; };
+    if (!selectNth(at(first), at(middle), at(last), isBefore, stop)) return node;
+    split(first, middle, stop);
+    const std::uint32_t right = split(middle, last, stop);
     boxes_[node].first = right;
     boxes_[node].count = 0;
     return node;

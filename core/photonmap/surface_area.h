@@ -11,7 +11,8 @@ namespace lightloom {
 /// estimation divides by this: pi r^2 is wrong by half at every edge (METHODS section 2). Any thread may ask.
 class SurfaceArea {
 public:
-    explicit SurfaceArea(const LightReach& reach);
+    /// O(n log n). Null: stopped.
+    static std::shared_ptr<const SurfaceArea> build(const LightReach& reach, const std::stop_token& stop = {});
 
     /// Area (m2) of the reached sides within `radius` of `centre` (distances along `normal` stretched by `stretch`, as
     /// in GatherQuery) whose normal's cosine with `normal` is above `leastCosine`. O(log n + triangles in the kernel).
@@ -25,7 +26,8 @@ private:
         glm::vec3 low, high;
         std::uint32_t first, count; // facets; count 0: inner node, `first` is the right child, the left one follows
     };
-    std::uint32_t build(std::uint32_t first, std::uint32_t last);
+    explicit SurfaceArea(const LightReach& reach);
+    std::uint32_t split(std::uint32_t first, std::uint32_t last, const std::stop_token& stop);
 
     std::vector<ReachedFacet> facets_; // in the tree's order
     std::vector<Box> boxes_;

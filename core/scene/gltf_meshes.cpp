@@ -38,8 +38,9 @@ std::vector<glm::uvec3> trianglesOf(const std::vector<std::uint32_t>& corners, i
 /// Reads one primitive at a time; keeps the totals that limits are held against.
 class PrimitiveReader {
 public:
-    PrimitiveReader(const tinygltf::Model& model, const GltfData& data, GltfWarnings& warnings)
-        : model_(model), data_(data), warnings_(warnings)
+    PrimitiveReader(const tinygltf::Model& model, const GltfData& data, GltfWarnings& warnings,
+                    const std::stop_token& stop)
+        : model_(model), data_(data), warnings_(warnings), stop_(stop)
     {
     }
 
@@ -63,18 +64,26 @@ public:
         if (vertices_ > kMostVertices) {
             return Error{Error::Kind::outOfMemory, fmt::format("the meshes have more than {} vertices", kMostVertices)};
         }
-        for (const Result<Done>& done : {readAttributes(primitive, mesh), readTriangles(primitive, mode, mesh)}) {
-            if (!done) return done.error();
-        }
-        dropped_ += dropFlatTriangles(mesh);
-        dropUnusedVertices(mesh);
-        completeNormals(mesh);
+        if (const Result<Done> done = readAttributes(primitive, mesh); !done) return done.error();
+        if (const Result<Done> done = readTriangles(primitive, mode, mesh); !done) return done.error();
+        if (const Result<Done> done = repair(mesh); !done) return done.error();
         return mesh;
     }
 
     [[nodiscard]] std::uint64_t droppedTriangles() const { return dropped_; }
 
 private:
+    Result<Done> repair(Mesh& mesh)
+    {
+        if (stop_.stop_requested()) return readingStopped();
+        dropped_ += dropFlatTriangles(mesh);
+        if (stop_.stop_requested()) return readingStopped();
+        dropUnusedVertices(mesh);
+        if (stop_.stop_requested()) return readingStopped();
+        completeNormals(mesh);
+        return Done{};
+    }
+
     static int accessor(const tinygltf::Primitive& primitive, const char* name)
     {
         const auto found = primitive.attributes.find(name);
@@ -87,6 +96,7 @@ private:
     {
         const int index = accessor(primitive, name);
         if (index < 0) return Done{};
+        if (stop_.stop_requested()) return readingStopped();
         const std::vector<float> values = data_.floats(index);
         const auto width = static_cast<std::size_t>(data_.components(index));
         to.resize(values.size() / width, Vec(1.0f)); // colours may come without alpha
@@ -113,6 +123,7 @@ private:
 
     Result<Done> readTriangles(const tinygltf::Primitive& primitive, int mode, Mesh& mesh)
     {
+        if (stop_.stop_requested()) return readingStopped();
         std::vector<std::uint32_t> corners;
         if (primitive.indices >= 0) {
             corners = data_.indices(primitive.indices);
@@ -129,6 +140,7 @@ private:
         if (mode == TINYGLTF_MODE_TRIANGLES && corners.size() % 3 != 0) {
             warnings_.add("corners left over after the last whole triangle of a mesh are ignored");
         }
+        if (stop_.stop_requested()) return readingStopped();
         mesh.triangles = trianglesOf(corners, mode);
         triangles_ += mesh.triangles.size();
         if (triangles_ <= kMostTriangles) return Done{};
@@ -138,6 +150,7 @@ private:
     const tinygltf::Model& model_;
     const GltfData& data_;
     GltfWarnings& warnings_;
+    const std::stop_token& stop_;
     std::uint64_t vertices_ = 0, triangles_ = 0, dropped_ = 0;
 };
 
@@ -164,10 +177,13 @@ glm::dvec3 moveHome(Scene& scene, const std::vector<int>& parts)
 
 } // namespace
 
+Error readingStopped() { return {Error::Kind::cancelled, "reading it was cancelled"}; }
+
 Result<std::vector<GltfMesh>> readMeshes(const tinygltf::Model& model, const GltfData& data,
-                                         const std::vector<bool>& wanted, Scene& scene, GltfWarnings& warnings)
+                                         const std::vector<bool>& wanted, Scene& scene, GltfWarnings& warnings,
+                                         const std::stop_token& stop)
 {
-    PrimitiveReader reader(model, data, warnings);
+    PrimitiveReader reader(model, data, warnings, stop);
     std::vector<GltfMesh> meshes(model.meshes.size());
     for (std::size_t m = 0; m < meshes.size(); ++m) {
         if (!wanted[m]) continue;

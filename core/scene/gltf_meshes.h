@@ -2,7 +2,7 @@
 #pragma once
 #include "core/scene/gltf_data.h"
 #include "core/scene/scene.h"
-#include <optional>
+#include <stop_token>
 
 namespace lightloom {
 
@@ -16,10 +16,12 @@ struct GltfMesh {
 /// are left out with a warning, triangles without area are left out and counted in one. Vertices that no triangle uses
 /// are dropped. A mesh that lies far from its own origin is moved there (`shift`), so that floats keep its detail.
 /// Material numbers are the file's; one past the last where a primitive names none. Errors: positions, normals, colours
-/// or texture coordinates that are not finite, indices past the vertices, more triangles or vertices than fit.
+/// or texture coordinates that are not finite, indices past the vertices, more triangles or vertices than fit;
+/// `cancelled` where a stop was seen, between the steps of each primitive.
 [[nodiscard]] Result<std::vector<GltfMesh>> readMeshes(const tinygltf::Model& model, const GltfData& data,
                                                        const std::vector<bool>& wanted, Scene& scene,
-                                                       GltfWarnings& warnings);
+                                                       GltfWarnings& warnings, const std::stop_token& stop);
+[[nodiscard]] Error readingStopped();
 
 inline constexpr std::uint64_t kMostTriangles = 100'000'000; ///< of a scene, instances counted each
 inline constexpr std::uint64_t kMostVertices = 100'000'000;  ///< of all meshes together

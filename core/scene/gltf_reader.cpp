@@ -44,8 +44,9 @@ Result<tinygltf::Model> parseModel(const std::string& json)
 /// Puts everything into one Scene, step by step.
 class SceneMaker {
 public:
-    SceneMaker(const tinygltf::Model& model, const CheckedGltf& checked, const SceneFolder& folder)
-        : model_(model), checked_(checked), folder_(folder), data_(model, checked.buffers)
+    SceneMaker(const tinygltf::Model& model, const CheckedGltf& checked, const SceneFolder& folder,
+               const std::stop_token& stop)
+        : model_(model), checked_(checked), folder_(folder), stop_(stop), data_(model, checked.buffers)
     {
         for (const std::string& line : checked.warnings) warnings_.add(line);
     }
@@ -54,6 +55,7 @@ public:
     {
         for (const auto step : {&SceneMaker::placeMeshes, &SceneMaker::findOrigin, &SceneMaker::addInstances,
                                 &SceneMaker::addLampsAndCameras, &SceneMaker::addMaterials, &SceneMaker::finish}) {
+            if (stop_.stop_requested()) return readingStopped();
             if (const Result<Done> done = (this->*step)(); !done) return done.error();
         }
         return std::shared_ptr<const Scene>(std::move(scene_));
@@ -74,7 +76,7 @@ private:
         for (const PlacedNode& node : nodes_) {
             if (meshOf(node) >= 0) wanted[static_cast<std::size_t>(meshOf(node))] = true;
         }
-        Result<std::vector<GltfMesh>> meshes = readMeshes(model_, data_, wanted, *scene_, warnings_);
+        Result<std::vector<GltfMesh>> meshes = readMeshes(model_, data_, wanted, *scene_, warnings_, stop_);
         if (!meshes) return meshes.error();
         meshes_ = *std::move(meshes);
         dropFlattened();
@@ -206,6 +208,7 @@ private:
     const tinygltf::Model& model_;
     const CheckedGltf& checked_;
     const SceneFolder& folder_;
+    const std::stop_token& stop_;
     GltfData data_;
     GltfWarnings warnings_;
     std::shared_ptr<Scene> scene_ = std::make_shared<Scene>();
@@ -215,7 +218,8 @@ private:
     std::vector<std::string> groupNames_; ///< of the instances, then of the lamps
 };
 
-Result<std::shared_ptr<const Scene>> readBytes(std::vector<std::uint8_t> bytes, const fs::path& home)
+Result<std::shared_ptr<const Scene>> readBytes(std::vector<std::uint8_t> bytes, const fs::path& home,
+                                               const std::stop_token& stop)
 {
     const SceneFolder folder(home);
     const Result<CheckedGltf> checked =
@@ -223,15 +227,16 @@ Result<std::shared_ptr<const Scene>> readBytes(std::vector<std::uint8_t> bytes, 
     if (!checked) return checked.error();
     const Result<tinygltf::Model> model = parseModel(checked->json);
     if (!model) return model.error();
-    return SceneMaker(*model, *checked, folder).make();
+    return SceneMaker(*model, *checked, folder, stop).make();
 }
 
 } // namespace
 
-Result<std::shared_ptr<const Scene>> readScene(std::vector<std::uint8_t> bytes, const fs::path& folder)
+Result<std::shared_ptr<const Scene>> readScene(std::vector<std::uint8_t> bytes, const fs::path& folder,
+                                               const std::stop_token& stop)
 {
     try {
-        return readBytes(std::move(bytes), folder);
+        return readBytes(std::move(bytes), folder, stop);
     } catch (const std::bad_alloc&) {
         return Error{Error::Kind::outOfMemory, "there is not enough memory to read it"};
     } catch (const std::exception& e) { // out of tinygltf, nlohmann or the file system
@@ -239,7 +244,7 @@ Result<std::shared_ptr<const Scene>> readScene(std::vector<std::uint8_t> bytes, 
     }
 }
 
-Result<std::shared_ptr<const Scene>> readScene(const fs::path& file, const LogSink& sink)
+Result<std::shared_ptr<const Scene>> readScene(const fs::path& file, const LogSink& sink, const std::stop_token& stop)
 {
     const std::string name = plainName(file.filename().string());
     std::error_code ignored;
@@ -254,7 +259,7 @@ Result<std::shared_ptr<const Scene>> readScene(const fs::path& file, const LogSi
     } catch (const std::bad_alloc&) {
         return Error{Error::Kind::outOfMemory, name + ": there is not enough memory to read it"};
     }
-    Result<std::shared_ptr<const Scene>> scene = readScene(std::move(bytes), file.parent_path());
+    Result<std::shared_ptr<const Scene>> scene = readScene(std::move(bytes), file.parent_path(), stop);
     if (!scene) return scene.error().in(name);
     for (const std::string& line : (*scene)->warnings) log(sink, LogLevel::warning, name + ": " + line);
     return scene;

@@ -5,6 +5,7 @@
 #include "core/scene/scene.h"
 #include <filesystem>
 #include <memory>
+#include <stop_token>
 
 namespace lightloom {
 
@@ -16,12 +17,12 @@ namespace lightloom {
 /// (`group` on a node, `exposure` on the scene). KHR_materials_transmission, _ior and _volume are read, not
 /// transported. Scene::origin is the centre of the bound, subtracted in double. Errors: one sentence that begins with
 /// the file's name. A scene without triangles is one. Any thread; hostile files cost no more than their limits
-/// (GltfLimits).
-[[nodiscard]] Result<std::shared_ptr<const Scene>> readScene(const std::filesystem::path& file,
-                                                             const LogSink& log = {});
+/// (GltfLimits). A stop is seen between steps of a few milliseconds per million triangles; the error is `cancelled`.
+[[nodiscard]] Result<std::shared_ptr<const Scene>> readScene(const std::filesystem::path& file, const LogSink& log = {},
+                                                             const std::stop_token& stop = {});
 
 /// The same from memory: `bytes` as of a file in `folder`, where its other files are looked for.
-[[nodiscard]] Result<std::shared_ptr<const Scene>> readScene(std::vector<std::uint8_t> bytes,
-                                                             const std::filesystem::path& folder);
+[[nodiscard]] Result<std::shared_ptr<const Scene>>
+readScene(std::vector<std::uint8_t> bytes, const std::filesystem::path& folder, const std::stop_token& stop = {});
 
 } // namespace lightloom

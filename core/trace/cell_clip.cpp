@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/trace/cell_clip.h"
+#include "core/base/ordering.h"
 #include <algorithm>
 #include <array>
 #include <tuple>
@@ -72,9 +73,13 @@ void split(const Polygon& polygon, int axis, double at, Polygon& below, Polygon&
 }
 
 class Clipper {
+    static constexpr int kLevelsAtOnce = 5; // a thousand cells, less than a millisecond between looks at the stop
+
 public:
-    Clipper(const CellLattice& lattice, const std::function<void(const CellPolygon&)>& visit)
-        : lattice_(lattice), visit_(visit), lowest_(lattice.lowest), size_(static_cast<double>(lattice.rootSize))
+    Clipper(const CellLattice& lattice, const std::function<void(const CellPolygon&)>& visit,
+            const std::stop_token& stop)
+        : lattice_(lattice), visit_(visit), stop_(stop), lowest_(lattice.lowest),
+          size_(static_cast<double>(lattice.rootSize))
     {
     }
 
@@ -93,6 +98,7 @@ private:
     {
         if (polygon.count < 3) return;
         if (depth == lattice_.depth) return emit(polygon, cell);
+        if (lattice_.depth - depth == kLevelsAtOnce && stop_.stop_requested()) return;
         const double half = 1.0 / static_cast<double>(2u << depth);
         Polygon x[2], y[2], z[2];
         split(polygon, 0, (2.0 * cell.x + 1.0) * half, x[0], x[1]);
@@ -128,6 +134,7 @@ private:
 
     const CellLattice& lattice_;
     const std::function<void(const CellPolygon&)>& visit_;
+    const std::stop_token& stop_;
     glm::dvec3 lowest_;
     double size_;
 };
@@ -152,30 +159,36 @@ CellLattice latticeOver(const Bounds& bounds, int depth, float shift)
 }
 
 void clipTriangle(glm::vec3 a, glm::vec3 b, glm::vec3 c, const CellLattice& lattice,
-                  const std::function<void(const CellPolygon&)>& visit)
+                  const std::function<void(const CellPolygon&)>& visit, const std::stop_token& stop)
 {
-    Clipper(lattice, visit).add(a, b, c);
+    Clipper(lattice, visit, stop).add(a, b, c);
 }
 
 CellPieces clipToCells(const std::vector<ReachedFacet>& facets, const CellLattice& lattice, Workers& workers,
                        const std::stop_token& stop)
 {
-    constexpr std::size_t kBlock = 256;
+    constexpr std::size_t kBlock = 16; // a large triangle has a million cells: few in one worker's hands
     const std::size_t blocks = (facets.size() + kBlock - 1) / kBlock;
     std::vector<std::vector<CellPiece>> parts(blocks);
-    CellPieces result;
-    result.complete = workers.run(blocks, stop, [&](std::size_t block) {
+    const bool all = workers.run(blocks, stop, [&](std::size_t block) {
         for (std::size_t f = block * kBlock; f < std::min(facets.size(), (block + 1) * kBlock); ++f) {
             if (stop.stop_requested()) return;
-            clipTriangle(facets[f].a, facets[f].b, facets[f].c, lattice, [&](const CellPolygon& part) {
-                parts[block].push_back({mortonCode(part.cell), static_cast<std::uint32_t>(f),
-                                        static_cast<float>(part.area), glm::vec3(part.centroid)});
-            });
+            clipTriangle(
+                facets[f].a, facets[f].b, facets[f].c, lattice,
+                [&](const CellPolygon& part) {
+                    parts[block].push_back({mortonCode(part.cell), static_cast<std::uint32_t>(f),
+                                            static_cast<float>(part.area), glm::vec3(part.centroid)});
+                },
+                stop);
         }
     }) && !stop.stop_requested();
-    if (!result.complete) return result;
-    for (const auto& part : parts) result.pieces.insert(result.pieces.end(), part.begin(), part.end());
-    std::ranges::sort(result.pieces, [](const CellPiece& a, const CellPiece& b) {
+    if (!all) return {};
+    CellPieces result;
+    for (std::size_t block = 0; block < blocks; ++block) {
+        if (block % 1024 == 0 && stop.stop_requested()) return {};
+        result.pieces.insert(result.pieces.end(), parts[block].begin(), parts[block].end());
+    }
+    result.complete = sortOn(workers, stop, result.pieces, [](const CellPiece& a, const CellPiece& b) {
         return std::tie(a.cell, a.facet) < std::tie(b.cell, b.facet);
     });
     return result;

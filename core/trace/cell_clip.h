@@ -29,9 +29,10 @@ struct CellPolygon {
     glm::dvec3 centroid{0.0};
 };
 /// Clips a triangle against the lattice (exact, Sutherland-Hodgman, by halving cells) and visits each part in a fixed
-/// order. Areas add up to the triangle's. A point on a cell border belongs to the upper cell.
+/// order. Areas add up to the triangle's. A point on a cell border belongs to the upper cell. After a stop the rest is
+/// left out.
 void clipTriangle(glm::vec3 a, glm::vec3 b, glm::vec3 c, const CellLattice& lattice,
-                  const std::function<void(const CellPolygon&)>& visit);
+                  const std::function<void(const CellPolygon&)>& visit, const std::stop_token& stop = {});
 
 /// The part of one reached facet inside one cell.
 struct CellPiece {
@@ -40,7 +41,7 @@ struct CellPiece {
     float area;          ///< m2
     glm::vec3 centroid;  ///< scene space
 };
-/// All reached facets against the lattice, sorted by (cell, facet). Empty, and `complete` false: stopped.
+/// All reached facets against the lattice, sorted by (cell, facet). `complete` false: stopped, do not use.
 struct CellPieces {
     std::vector<CellPiece> pieces;
     bool complete = false;

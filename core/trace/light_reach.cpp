@@ -227,13 +227,15 @@ std::shared_ptr<const LightReach> LightReach::find(const RayScene& rays, const L
                                                    const std::stop_token& stop)
 {
     auto reach = std::make_shared<LightReach>();
-    const SideElements elements(rays);
+    const std::unique_ptr<const SideElements> elements = SideElements::build(rays, workers, stop);
+    if (!elements) return nullptr;
     if (rays.scene().groups.empty()) {
-        reach->facets_ = elements.facets([](std::uint32_t) { return true; });
+        if (!elements->listFacets([](std::uint32_t) { return true; }, stop, reach->facets_)) return nullptr;
     } else {
-        Explorer explorer(rays, lights, elements);
+        Explorer explorer(rays, lights, *elements);
         if (!explorer.walkFromLamps(workers, stop) || !explorer.lookAround(workers, stop)) return nullptr;
-        reach->facets_ = elements.facets([&](std::uint32_t e) { return explorer.isReached(e); });
+        const auto isReached = [&](std::uint32_t e) { return explorer.isReached(e); };
+        if (!elements->listFacets(isReached, stop, reach->facets_)) return nullptr;
     }
     for (const ReachedFacet& f : reach->facets_) reach->area_ += areaOf(f);
     return reach;

@@ -91,7 +91,9 @@ private:
     glm::vec3 flux_{0.0f};
 };
 
-std::shared_ptr<const PhotonPaths> join(const PhotonJob& job, std::vector<BlockResult>& blocks)
+/// Null: stopped.
+std::shared_ptr<const PhotonPaths> join(const PhotonJob& job, std::vector<BlockResult>& blocks,
+                                        const std::stop_token& stop)
 {
     auto paths = std::make_shared<PhotonPaths>();
     paths->group = job.group;
@@ -100,6 +102,7 @@ std::shared_ptr<const PhotonPaths> join(const PhotonJob& job, std::vector<BlockR
     for (const BlockResult& block : blocks) stored += block.photons.size();
     paths->photons.reserve(stored);
     for (BlockResult& block : blocks) {
+        if (stop.stop_requested()) return nullptr;
         paths->photons.insert(paths->photons.end(), block.photons.begin(), block.photons.end());
         std::vector<Photon>().swap(block.photons);
         paths->rays += block.rays;
@@ -131,7 +134,7 @@ std::shared_ptr<const PhotonPaths> tracePhotons(const RayScene& rays, const Ligh
     if (!all) return nullptr;
     PhotonJob shot = job;
     shot.count = count;
-    return join(shot, blocks);
+    return join(shot, blocks, stop);
 }
 
 } // namespace lightloom

@@ -74,6 +74,8 @@ void rejectHoles(const RTCFilterFunctionNArguments* args)
     }
 }
 
+Error stopped() { return {Error::Kind::cancelled, "building the ray scene was cancelled"}; }
+
 bool monitor(void* stop, double) { return !static_cast<std::stop_token*>(stop)->stop_requested(); }
 
 } // namespace
@@ -89,13 +91,13 @@ struct RayScene::State {
     std::vector<Tree> shared; // trees of meshes that stand in several places, by mesh
     Tree tree;
 
-    void listTriangles();
+    bool listTriangles(const std::stop_token& stop); ///< false: stopped
     Result<Done> buildTree(std::stop_token& stop);
     void addMesh(RTCScene into, const Instance& instance, bool inPlace, unsigned id);
     Result<Done> commit(RTCScene tree, std::stop_token& stop);
 };
 
-void RayScene::State::listTriangles()
+bool RayScene::State::listTriangles(const std::stop_token& stop)
 {
     for (std::uint32_t i = 0; i < scene->instances.size(); ++i) {
         const Instance& instance = scene->instances[i];
@@ -107,6 +109,7 @@ void RayScene::State::listTriangles()
             placed[v] = glm::vec3(instance.toWorld * glm::vec4(mesh.positions[v], 1.0f));
         }
         for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+            if (t % 65'536 == 0 && stop.stop_requested()) return false;
             const glm::uvec3 v = mesh.triangles[t];
             const SceneTriangle triangle{placed[v.x], placed[v.y], placed[v.z], i, t};
             // in double: the cross product of a needle's edges underflows in float at small scales
@@ -118,6 +121,7 @@ void RayScene::State::listTriangles()
         }
     }
     firstTriangle.push_back(static_cast<std::uint32_t>(triangles.size()));
+    return true;
 }
 
 void RayScene::State::addMesh(RTCScene into, const Instance& instance, bool inPlace, unsigned id)
@@ -153,7 +157,7 @@ Result<Done> RayScene::State::commit(RTCScene what, std::stop_token& stop)
     rtcCommitScene(what);
     rtcSetSceneProgressMonitorFunction(what, nullptr, nullptr);
     const RTCError code = rtcGetDeviceError(device.get());
-    if (stop.stop_requested()) return Error{Error::Kind::cancelled, "building the ray scene was cancelled"};
+    if (stop.stop_requested()) return stopped();
     if (code == RTC_ERROR_OUT_OF_MEMORY) {
         return Error{Error::Kind::outOfMemory,
                      fmt::format("not enough memory for a ray tree over {} triangles", triangles.size())};
@@ -175,6 +179,7 @@ Result<Done> RayScene::State::buildTree(std::stop_token& stop)
 
     for (unsigned i = 0; i < scene->instances.size(); ++i) {
         const Instance& instance = scene->instances[i];
+        if (stop.stop_requested()) return stopped();
         const auto m = static_cast<std::size_t>(instance.mesh);
         if (uses[m] == 1) {
             addMesh(tree.get(), instance, true, i);
@@ -204,7 +209,7 @@ try {
     state->isa = *config;
     state->device.reset(rtcNewDevice(("isa=" + *config).c_str()));
     if (!state->device) return Error{Error::Kind::unsupported, "Embree does not run on this machine"};
-    state->listTriangles();
+    if (!state->listTriangles(stop)) return stopped();
     if (const Result<Done> built = state->buildTree(stop); !built) return built.error();
     return std::shared_ptr<const RayScene>(new RayScene(std::move(state)));
 } catch (const std::bad_alloc&) {

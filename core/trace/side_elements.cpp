@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/trace/side_elements.h"
+#include "core/base/ordering.h"
 #include "core/base/sampling.h"
 #include <algorithm>
 #include <bit>
@@ -42,59 +43,82 @@ struct Edge {
     }
 };
 
-/// Number of each triangle corner among the distinct positions of the scene.
-std::vector<std::uint32_t> weld(const RayScene& rays)
+/// Calls `body(t)` for each triangle on all workers. False: stopped.
+template<class Body>
+bool forTriangles(const RayScene& rays, Workers& workers, const std::stop_token& stop, Body body)
+{
+    constexpr std::size_t kBlock = 16'384;
+    const std::size_t count = rays.triangleCount();
+    return workers.run((count + kBlock - 1) / kBlock, stop, [&](std::size_t block) {
+        for (std::size_t t = block * kBlock; t < std::min(count, (block + 1) * kBlock); ++t) {
+            body(static_cast<std::uint32_t>(t));
+        }
+    });
+}
+
+/// Whether a long loop is to end; asks every 65536th time only.
+bool endsAt(std::size_t i, const std::stop_token& stop) { return i % 65'536 == 0 && stop.stop_requested(); }
+
+/// Number of each triangle corner among the distinct positions of the scene. False: stopped.
+bool weld(const RayScene& rays, Workers& workers, const std::stop_token& stop, std::vector<std::uint32_t>& welded)
 {
     struct Corner {
         glm::uvec3 bits;
         std::uint32_t number;
     };
-    std::vector<Corner> corners;
-    corners.reserve(std::size_t(3) * rays.triangleCount());
+    std::vector<Corner> corners(std::size_t(3) * rays.triangleCount());
     const auto bitsOf = [](float v) { return std::bit_cast<std::uint32_t>(v == 0.0f ? 0.0f : v); }; // -0 is 0
-    for (std::uint32_t t = 0; t < rays.triangleCount(); ++t) {
+    const bool listed = forTriangles(rays, workers, stop, [&](std::uint32_t t) {
         const SceneTriangle& triangle = rays.triangle(t);
+        std::uint32_t number = 3 * t;
         for (const glm::vec3 p : {triangle.a, triangle.b, triangle.c}) {
-            corners.push_back({{bitsOf(p.x), bitsOf(p.y), bitsOf(p.z)}, static_cast<std::uint32_t>(corners.size())});
+            corners[number] = {{bitsOf(p.x), bitsOf(p.y), bitsOf(p.z)}, number};
+            ++number;
         }
-    }
-    const auto key = [](const Corner& c) { return std::tie(c.bits.x, c.bits.y, c.bits.z); };
-    std::ranges::sort(corners, [&](const Corner& a, const Corner& b) { return key(a) < key(b); });
-    std::vector<std::uint32_t> welded(corners.size());
+    });
+    const bool sorted =
+        listed && sortOn(workers, stop, corners, [](const Corner& a, const Corner& b) {
+            return std::tie(a.bits.x, a.bits.y, a.bits.z, a.number) < std::tie(b.bits.x, b.bits.y, b.bits.z, b.number);
+        });
+    if (!sorted) return false;
+    welded.resize(corners.size());
     std::uint32_t vertex = 0;
     for (std::size_t i = 0; i < corners.size(); ++i) {
-        if (i > 0 && key(corners[i]) != key(corners[i - 1])) ++vertex;
+        if (endsAt(i, stop)) return false;
+        if (i > 0 && corners[i].bits != corners[i - 1].bits) ++vertex;
         welded[corners[i].number] = vertex;
     }
-    return welded;
+    return true;
 }
 
-std::vector<Edge> listEdges(const RayScene& rays)
+/// The edges of all triangles, those between the same two vertices side by side. False: stopped.
+bool listEdges(const RayScene& rays, Workers& workers, const std::stop_token& stop, std::vector<Edge>& edges)
 {
-    const std::vector<std::uint32_t> vertex = weld(rays);
-    std::vector<Edge> edges;
-    edges.reserve(vertex.size());
-    for (std::uint32_t t = 0; t < rays.triangleCount(); ++t) {
+    std::vector<std::uint32_t> vertex;
+    if (!weld(rays, workers, stop, vertex)) return false;
+    edges.resize(vertex.size());
+    const bool listed = forTriangles(rays, workers, stop, [&](std::uint32_t t) {
         const bool mirrored = rays.scene().instances[rays.triangle(t).instance].isMirrored();
         for (std::uint32_t i = 0; i < 3; ++i) {
             const std::uint32_t a = vertex[3 * t + i], b = vertex[3 * t + (i + 1) % 3];
-            if (a != b) edges.push_back({std::min(a, b), std::max(a, b), t, (a < b) != mirrored});
+            edges[3 * t + i] = {std::min(a, b), std::max(a, b), t, (a < b) != mirrored};
         }
-    }
-    std::sort(edges.begin(), edges.end());
-    return edges;
+    });
+    return listed && sortOn(workers, stop, edges, std::less<Edge>());
 }
 
 /// Joins the sides of triangles that share an edge. Where three or more meet (a partition on a floor) nothing is
-/// joined.
-Surfaces joinSides(const RayScene& rays)
+/// joined. False: stopped.
+bool joinSides(const RayScene& rays, Workers& workers, const std::stop_token& stop, Surfaces& surfaces)
 {
-    Surfaces surfaces(2 * rays.triangleCount());
-    const std::vector<Edge> edges = listEdges(rays);
+    std::vector<Edge> edges;
+    if (!listEdges(rays, workers, stop, edges)) return false;
+    std::size_t groups = 0;
     for (std::size_t i = 0; i < edges.size();) {
+        if (endsAt(groups++, stop)) return false;
         std::size_t end = i + 1;
         while (end < edges.size() && edges[end].low == edges[i].low && edges[end].high == edges[i].high) ++end;
-        if (end - i == 2) {
+        if (end - i == 2 && edges[i].low != edges[i].high) { // an edge without length joins nothing
             const Edge &a = edges[i], &b = edges[i + 1];
             const std::uint32_t flip =
                 a.rises == b.rises ? 1 : 0; // wound alike: one's front continues as the other's back
@@ -103,32 +127,43 @@ Surfaces joinSides(const RayScene& rays)
         }
         i = end;
     }
-    return surfaces;
+    return true;
 }
 
 } // namespace
 
+std::unique_ptr<const SideElements> SideElements::build(const RayScene& rays, Workers& workers,
+                                                        const std::stop_token& stop)
+{
+    Surfaces surfaces(2 * rays.triangleCount());
+    if (!joinSides(rays, workers, stop, surfaces)) return nullptr;
+    std::unique_ptr<SideElements> made(new SideElements(rays));
+    std::vector<std::uint32_t> elementOf(made->sides_.size(), 0xFFFFFFFFu); // of each surface
+    for (std::uint32_t t = 0; t < rays.triangleCount(); ++t) {
+        if (endsAt(t, stop)) return nullptr;
+        if (made->isLarge(rays.triangle(t))) {
+            made->cut(t);
+            continue;
+        }
+        for (const std::uint32_t side : {2 * t, 2 * t + 1}) made->addSmall(side, elementOf[surfaces.of(side)]);
+    }
+    return made;
+}
+
 SideElements::SideElements(const RayScene& rays)
     : rays_(rays), lattice_(latticeOver(rays.scene().bounds, kLatticeDepth, 0.0f)), sides_(2 * rays.triangleCount())
 {
-    Surfaces surfaces = joinSides(rays);
-    std::vector<std::uint32_t> elementOf(sides_.size(), 0xFFFFFFFFu); // of each surface
-    for (std::uint32_t t = 0; t < rays.triangleCount(); ++t) {
-        if (isLarge(rays.triangle(t))) {
-            cut(t);
-            continue;
-        }
-        for (const std::uint32_t side : {2 * t, 2 * t + 1}) {
-            std::uint32_t& element = elementOf[surfaces.of(side)];
-            if (element == 0xFFFFFFFFu) {
-                element = count_++;
-                members_.emplace_back();
-                isPart_.push_back(0);
-            }
-            sides_[side] = {element, 0};
-            members_[element].push_back(side);
-        }
+}
+
+void SideElements::addSmall(std::uint32_t side, std::uint32_t& element)
+{
+    if (element == 0xFFFFFFFFu) {
+        element = count_++;
+        members_.emplace_back();
+        isPart_.push_back(0);
     }
+    sides_[side] = {element, 0};
+    members_[element].push_back(side);
 }
 
 bool SideElements::isLarge(const SceneTriangle& t) const
@@ -216,10 +251,11 @@ bool SideElements::canFace(std::uint32_t element, glm::vec3 p, glm::vec3 n) cons
                        [&](glm::vec3 c) { return glm::dot(c - p, n) > -2.0f * rays_.offset(); });
 }
 
-std::vector<ReachedFacet> SideElements::facets(const std::function<bool(std::uint32_t)>& isReached) const
+bool SideElements::listFacets(const std::function<bool(std::uint32_t)>& isReached, const std::stop_token& stop,
+                              std::vector<ReachedFacet>& facets) const
 {
-    std::vector<ReachedFacet> facets;
     for (std::uint32_t side = 0; side < sides_.size(); ++side) {
+        if (endsAt(side, stop)) return false;
         const SceneTriangle& t = rays_.triangle(side / 2);
         const glm::vec3 n = rays_.triangleNormal(side / 2) * (side % 2 ? -1.0f : 1.0f);
         if (n == glm::vec3(0.0f)) continue;
@@ -242,7 +278,7 @@ std::vector<ReachedFacet> SideElements::facets(const std::function<bool(std::uin
             }
         }
     }
-    return facets;
+    return true;
 }
 
 } // namespace lightloom

@@ -11,7 +11,9 @@ namespace lightloom {
 /// cells of a lattice, small ones that share an edge belong together as far as their surface goes.
 class SideElements {
 public:
-    explicit SideElements(const RayScene& rays);
+    /// O(n log n) on all workers. Null: stopped.
+    static std::unique_ptr<const SideElements> build(const RayScene& rays, Workers& workers,
+                                                     const std::stop_token& stop);
 
     [[nodiscard]] std::uint32_t count() const { return count_; }
     [[nodiscard]] std::uint32_t of(const Hit& hit) const;
@@ -20,9 +22,10 @@ public:
     /// Whether a point of the element, moved off its surface (`RayScene::leave`), can lie before one that faces `n` at
     /// `p` and see it before itself. Cheap; true where it is not sure, and always for elements of small triangles.
     [[nodiscard]] bool canFace(std::uint32_t element, glm::vec3 p, glm::vec3 n) const;
-    /// Facets of the elements for which `isReached`, in rising order of sides; large triangles that are reached as a
-    /// whole stay whole.
-    [[nodiscard]] std::vector<ReachedFacet> facets(const std::function<bool(std::uint32_t)>& isReached) const;
+    /// Adds the facets of the elements for which `isReached`, in rising order of sides; large triangles that are
+    /// reached as a whole stay whole. False: stopped.
+    [[nodiscard]] bool listFacets(const std::function<bool(std::uint32_t)>& isReached, const std::stop_token& stop,
+                                  std::vector<ReachedFacet>& facets) const;
 
 private:
     struct Part { // of a large triangle's side
@@ -34,7 +37,9 @@ private:
         std::uint32_t first = 0, count = 0; // parts; count 0: a small triangle, `first` is its element
     };
     [[nodiscard]] bool isLarge(const SceneTriangle& t) const;
+    explicit SideElements(const RayScene& rays);
     void cut(std::uint32_t triangle);
+    void addSmall(std::uint32_t side, std::uint32_t& element); ///< to its surface's element, made at the first of them
 
     const RayScene& rays_;
     CellLattice lattice_;
