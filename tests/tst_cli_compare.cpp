@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Claim: `lightloom-cli compare` takes a bake itself against a reference and gives what probe or render and compare
-// give in two steps; heatmaps show what was asked for; sides that do not go together are refused in one line.
+// give in two steps; heatmaps show what was asked for; a bake's
+// noise is shown as a map; sides that do not go together are refused in one line.
 #include "core/base/image_file.h"
 #include "core/compare/legend.h"
 #include "tests/cli_helpers.h"
@@ -105,6 +106,21 @@ private Q_SLOTS:
             }
         }
         QVERIFY2(clear > 50, qPrintable(QString("%1 pixels that are clearly off").arg(clear)));
+    }
+
+    void aBakeShowsItsNoise()
+    {
+        const QStringList words{"render", kScene, "--size", "48x36", "-o", at("n.png"), "--noise-map"};
+        const Ran ran = run(words + QStringList{at("noise.png"), "--bake", at("bake.vdb")});
+        QVERIFY2(ran.code == 0, qPrintable(ran.text()));
+        const Result<ByteImage> map = readPng(at("noise.png").toStdString());
+        QVERIFY(map && map->height == 36 + kLegendHeight);
+        for (const QString& method : {QString("reference"), QString("direct")}) {
+            const Ran refused = run(words + QStringList{at("none.png"), "--method", method});
+            QVERIFY2(refused.code == 2 && refused.failedWithOneLine() && refused.err.contains("--noise-map"),
+                     qPrintable(refused.text()));
+            QVERIFY(!QFile::exists(at("none.png")));
+        }
     }
 
     void wrongSidesAreRefused_data()

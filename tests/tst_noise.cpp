@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Claims: the noise a bake states without any reference is the spread that other seeds show; it scales with the lamps
-// and is unknown in mid-air.
+// and is unknown in mid-air;
+// the noise map shows it for what each pixel sees.
 #include "bake_helpers.h"
+#include "core/bake/view_eye.h"
 #include "core/base/statistics.h"
 #include "core/base/units.h"
+#include "core/compare/noise_map.h"
 #include "core/photonmap/photon_map_solver.h"
 #include "core/scene/sample_scenes.h"
 #include "core/trace/light_reach.h"
@@ -90,6 +93,64 @@ private Q_SLOTS:
             QCOMPARE(*at(*off), 0.0f);
         }
         QVERIFY(!baked.field->noise(scene_->bounds.centre(), {0, 1, 0})); // mid-air: no answer
+    }
+
+    void theMapIsTheNoiseOfWhatPixelsSee()
+    {
+        constexpr int kWidth = 40, kHeight = 30;
+        const auto rays = *RayScene::build(scene_);
+        const auto field = bakeOctree(scene_, smallBake()).field;
+        Workers workers(2), one(1);
+        const Camera& camera = scene_->cameras.front();
+        const ScalarImage map = noiseMap(*rays, *field, camera, kWidth, kHeight, workers, {});
+        RunningMean light;
+        std::vector<float> noise;
+        const ViewJob job{camera, kWidth, kHeight};
+        const Lens lens(job);
+        for (int i = 0; i < kWidth * kHeight; ++i) {
+            glm::vec3 origin, travel;
+            lens.ray(i % kWidth, i / kWidth, {0.5f, 0.5f}, origin, travel);
+            Hit hit;
+            noise.push_back(0.0f);
+            if (!rays->intersect(origin, travel, 1e9f, hit)) continue;
+            if (surfaceAt(*rays, hit).diffuse == glm::vec3(0.0f)) continue; // the lamp itself
+            const float lux = luminance(field->irradiance(hit.position, hit.facing()));
+            if (lux > 0.0f) light.add(static_cast<double>(lux));
+            noise.back() = field->noise(hit.position, hit.facing()).value_or(0.0f);
+        }
+        for (std::size_t i = 0; i < noise.size(); ++i) {
+            const float expected = noise[i] / static_cast<float>(light.mean());
+            QVERIFY2(std::abs(map.values[i] - expected) <= 1e-5f * expected, qPrintable(QString::number(i)));
+        }
+        QVERIFY(std::ranges::count_if(map.values, [](float v) { return v > 0.0f; }) > kWidth * kHeight / 2);
+        QVERIFY(noiseMap(*rays, *field, camera, kWidth, kHeight, one, {}).values == map.values);
+        std::stop_source stop;
+        stop.request_stop();
+        QVERIFY(noiseMap(*rays, *field, camera, kWidth, kHeight, workers, stop.get_token()).values.empty());
+    }
+    void theMapLooksIntoMirrors() // the gallery's ring: as much noise in it as on what it shows
+    {
+        const auto scene = share(gallery());
+        const auto rays = *RayScene::build(scene);
+        BakeParams params = smallBake();
+        const auto field = bakeOctree(scene, params).field;
+        Workers workers(2);
+        const auto camera = std::ranges::find(scene->cameras, "Golden ring", &Camera::name);
+        QVERIFY(camera != scene->cameras.end());
+        const ScalarImage map = noiseMap(*rays, *field, *camera, 80, 60, workers, {});
+        const ViewJob job{*camera, 80, 60};
+        const Lens lens(job);
+        int mirrors = 0, noisy = 0;
+        for (int i = 0; i < 80 * 60; ++i) {
+            glm::vec3 origin, travel;
+            lens.ray(i % 80, i / 80, {0.5f, 0.5f}, origin, travel);
+            Hit hit;
+            if (!rays->intersect(origin, travel, 1e9f, hit)) continue;
+            if (surfaceAt(*rays, hit).diffuse != glm::vec3(0.0f)) continue;
+            ++mirrors;
+            noisy += map.values[static_cast<std::size_t>(i)] > 0.0f ? 1 : 0;
+        }
+        QVERIFY2(mirrors > 20 && noisy > mirrors / 2, qPrintable(QString("%1 of %2").arg(noisy).arg(mirrors)));
     }
 };
 

@@ -242,6 +242,8 @@ private:
         command->add_option("--ev", r.ev, "Exposure value of a .png; the scene's own without")
             ->check(CLI::Range(-100.0f, 100.0f))
             ->option_text("EV");
+        command->add_option("--noise-map", r.noiseMap, "Where to write the noise that the bake states, in false colour")
+            ->option_text("OUT.png");
         addCache(*command, r.cache);
         addBakeOptions(*command);
         addOutput(*command, "IMAGE.exr (cd/m2; layers direct and indirect) or IMAGE.png")->required();

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/cli/progress.h"
 #include "app/cli/view.h"
+#include "core/bake/solver_for.h"
 #include "core/base/image_file.h"
-#include "core/compare/image_error.h"
+#include "core/compare/legend.h"
+#include "core/compare/noise_map.h"
 #include "core/compare/reference_store.h"
 #include "core/params/param_text.h"
 #include <chrono>
@@ -92,6 +94,31 @@ double meanError(const View& view)
     return relativeNoise(view.standardError.pixels, mean / static_cast<double>(view.direct.pixels.size()));
 }
 
+/// Before the picture, which takes longer.
+Result<Done> writeNoiseMap(const Context& context, const RenderCommand& command, const Lighting& lighting,
+                           const Camera& camera)
+{
+    const ScalarImage map = noiseMap(*lighting.lit.rays, *lighting.field, camera, command.width, command.height,
+                                     *context.workers, context.stop);
+    if (map.values.empty()) return Error{Error::Kind::cancelled, "interrupted; nothing was written"};
+    const HeatmapStyle style{ErrorKind::relative, legendTop(map), LegendUnit::percent, "stated noise / mean light"};
+    return writePng(command.noiseMap, heatmap(map, style), {{"Title", style.caption}});
+}
+
+/// A reference and direct light are baked into no field that could tell its noise.
+Result<Done> checkNoiseMap(const RenderCommand& command)
+{
+    if (command.noiseMap.empty() || !command.bakeFile.empty() || solverFor(*methodNamed(command.method))) return Done{};
+    return Error{Error::Kind::badInput,
+                 fmt::format("--noise-map shows the noise of a bake, and {} bakes nothing", command.method)};
+}
+
+Result<Done> checkOutputs(const RenderCommand& command)
+{
+    const Result<Done> fine = checkOutput(command.output);
+    return !fine || command.noiseMap.empty() ? fine : checkOutput(command.noiseMap);
+}
+
 Result<bool> isExrName(const std::string& output)
 {
     const std::string extension = std::filesystem::path(output).extension().string();
@@ -109,9 +136,10 @@ int render(const Context& context, const RenderCommand& command)
         request.options.set.push_back(fmt::format("render.samples={}", *command.samplesPerPixel));
     }
     if (const Result<Done> fine = checkRequest(request); !fine) return failUsage(fine.error());
+    if (const Result<Done> fine = checkNoiseMap(command); !fine) return failUsage(fine.error());
     const Result<bool> isExr = isExrName(command.output);
     if (!isExr) return failUsage(isExr.error());
-    if (const Result<Done> fine = checkOutput(command.output); !fine) return failWriting(fine.error());
+    if (const Result<Done> fine = checkOutputs(command); !fine) return failWriting(fine.error());
     const double pixels =
         static_cast<double>(command.width) * command.height; // sums, layers and the files: 300 bytes each
     const Result<Done> fits = checkFits(
@@ -126,6 +154,11 @@ int render(const Context& context, const RenderCommand& command)
     const Result<Camera> camera = cameraNamed(context, scene, command.camera, aspect);
     if (!camera) return fail(camera.error());
 
+    if (!command.noiseMap.empty()) {
+        const Result<Done> written = writeNoiseMap(context, command, *lighting, *camera);
+        if (!written && written.error().kind == Error::Kind::cancelled) return fail(written.error());
+        if (!written) return failWriting(written.error());
+    }
     const ViewJob job = viewJob(*lighting, *camera, command.width, command.height);
     View view = renderNow(context, command, *lighting, job);
     const std::string part = howFar(view, job);

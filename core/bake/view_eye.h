@@ -41,7 +41,8 @@ private:
 /// Rays through the pixels of a perspective camera.
 class Lens {
 public:
-    explicit Lens(const ViewJob& job);
+    explicit Lens(const ViewJob& job); ///< keeps a reference to the camera
+    explicit Lens(ViewJob&&) = delete;
     /// `within` the pixel, from its upper left corner, in [0,1)^2.
     void ray(int x, int y, glm::vec2 within, glm::vec3& origin, glm::vec3& travel) const;
 

@@ -35,15 +35,13 @@ void appendWord(std::vector<std::uint8_t>& to, std::uint32_t word)
 /// The simplified interface knows no notes, so their chunks are made here.
 std::vector<std::uint8_t> textChunk(const std::string& name, const std::string& text)
 {
-    std::vector<std::uint8_t> body{'t', 'E', 'X', 't'};
-    body.insert(body.end(), name.begin(),
-                name.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(79, name.size())));
-    body.push_back(0);
+    std::string body = "tEXt" + name.substr(0, 79) + '\0';
     std::ranges::replace_copy(text, std::back_inserter(body), '\0', ' ');
+    const std::vector<std::uint8_t> bytes(body.begin(), body.end());
     std::vector<std::uint8_t> chunk;
-    appendWord(chunk, static_cast<std::uint32_t>(body.size() - 4));
-    chunk.insert(chunk.end(), body.begin(), body.end());
-    appendWord(chunk, crc(body));
+    appendWord(chunk, static_cast<std::uint32_t>(bytes.size() - 4));
+    chunk.insert(chunk.end(), bytes.begin(), bytes.end());
+    appendWord(chunk, crc(bytes));
     return chunk;
 }
 
