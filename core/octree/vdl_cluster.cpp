@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/octree/vdl_cluster.h"
 #include "core/base/units.h"
+#include "core/base/wide_vectors.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,9 +14,9 @@ constexpr float kSameDirection = 1e-6f; ///< 1 - cosine below which two directio
 
 /// Largest cosine to the centres so far, and the centre that has it. Plain loops: they vectorise, and give the same
 /// bits on any vector width.
-__attribute__((target_clones("avx512f", "avx2", "default"))) void
-nearer(const float* __restrict x, const float* __restrict y, const float* __restrict z, std::size_t count,
-       const float* centre, std::uint8_t number, float* __restrict nearest, std::uint8_t* __restrict cluster)
+LIGHTLOOM_WIDE_VECTORS void nearer(const float* __restrict x, const float* __restrict y, const float* __restrict z,
+                                   std::size_t count, const float* centre, std::uint8_t number,
+                                   float* __restrict nearest, std::uint8_t* __restrict cluster)
 {
     const float cx = centre[0], cy = centre[1], cz = centre[2];
     for (std::size_t i = 0; i < count; ++i) {

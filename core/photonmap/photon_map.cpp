@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/photonmap/photon_map.h"
 #include "core/base/ordering.h"
+#include "core/base/wide_vectors.h"
 #include <algorithm>
 #include <bit>
 #include <limits>
@@ -118,10 +119,9 @@ namespace {
 
 /// Distances of a block's photons under the query's metric and their normals' cosines. Sixteen lanes at once on
 /// whatever vectors the machine has; without contraction every clone gives the same bits.
-__attribute__((target_clones("avx512f", "avx2", "default"))) void
-measure(const float* __restrict x, const float* __restrict y, const float* __restrict z, const float* __restrict nx,
-        const float* __restrict ny, const float* __restrict nz, const float* q, float* __restrict squared,
-        float* __restrict cosine)
+LIGHTLOOM_WIDE_VECTORS void measure(const float* __restrict x, const float* __restrict y, const float* __restrict z,
+                                    const float* __restrict nx, const float* __restrict ny, const float* __restrict nz,
+                                    const float* q, float* __restrict squared, float* __restrict cosine)
 {
     const float cx = q[0], cy = q[1], cz = q[2], ax = q[3], ay = q[4], az = q[5], stretch = q[6];
     for (int i = 0; i < 16; ++i) {
