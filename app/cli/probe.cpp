@@ -58,6 +58,14 @@ ProbeTable byReference(const Context& context, const ReferenceStore& store, cons
         table.standardError.push_back(
             glm::sqrt(light.directError * light.directError + light.indirectError * light.indirectError));
     }
+    if (result.causticPhotons == 0) return table;
+    for (std::size_t i = 0; i < result.finished; ++i) {
+        table.caustic.push_back(result.probes[i].caustic);
+        table.causticBlur.push_back(result.probes[i].causticBlur);
+    }
+    log(context.log, LogLevel::info,
+        fmt::format("caustics of small lamps: {} photons, averaged over {:.3g} m (caustic_blur bounds what that blurs)",
+                    result.causticPhotons, result.causticRadius));
     return table;
 }
 

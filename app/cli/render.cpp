@@ -2,6 +2,7 @@
 #include "app/cli/progress.h"
 #include "app/cli/view.h"
 #include "core/bake/solver_for.h"
+#include "core/bake/view_caustics.h"
 #include "core/base/image_file.h"
 #include "core/compare/legend.h"
 #include "core/compare/noise_map.h"
@@ -17,8 +18,21 @@ namespace {
 
 constexpr double kBakeShare = 0.5;
 
+/// What a picture that was interrupted has; "" for a whole one.
+std::string howFar(const View& view, const ViewJob& job)
+{
+    if (view.isWhole) return {};
+    if (view.causticRounds > 0) {
+        return fmt::format("{} of {} rounds of photons by way of mirrors", view.causticRounds, causticRounds(job));
+    }
+    if (job.targetError == 0.0f) return fmt::format("{} of {} samples per pixel", view.samples, job.samples);
+    const auto isDone = [](glm::vec3 error) { return error != glm::vec3(0.0f); };
+    return fmt::format("{} of {} pixels are done", std::ranges::count_if(view.standardError.pixels, isDone),
+                       view.standardError.pixels.size());
+}
+
 /// Everything the picture depends on, for the file's header: no time and no place, equal pictures are equal files.
-ImageNotes notesOf(const Lighting& lighting, const ViewJob& job, float ev, const std::string& howFar)
+ImageNotes notesOf(const Lighting& lighting, const ViewJob& job, float ev, const View& view)
 {
     ImageNotes notes{{"lightloom.version", LIGHTLOOM_VERSION},
                      {"lightloom.method", std::string(methodName(lighting.method))},
@@ -31,18 +45,12 @@ ImageNotes notesOf(const Lighting& lighting, const ViewJob& job, float ev, const
         const bool counts = (spec.methods & (1u << static_cast<unsigned>(lighting.method))) != 0;
         if (counts) notes.emplace_back(fmt::format("lightloom.{}", spec.key), paramText(lighting.params, spec));
     }
-    if (!howFar.empty()) notes.emplace_back("lightloom.incomplete", howFar);
+    if (view.causticRounds > 0) {
+        notes.emplace_back("lightloom.caustics", fmt::format("small lamps in mirrors by {} photons",
+                                                             view.causticRounds * CausticJob{}.photons));
+    }
+    if (const std::string part = howFar(view, job); !part.empty()) notes.emplace_back("lightloom.incomplete", part);
     return notes;
-}
-
-/// What a picture that was interrupted has; "" for a whole one.
-std::string howFar(const View& view, const ViewJob& job)
-{
-    if (view.isWhole) return {};
-    if (job.targetError == 0.0f) return fmt::format("{} of {} samples per pixel", view.samples, job.samples);
-    const auto isDone = [](glm::vec3 error) { return error != glm::vec3(0.0f); };
-    return fmt::format("{} of {} pixels are done", std::ranges::count_if(view.standardError.pixels, isDone),
-                       view.standardError.pixels.size());
 }
 
 /// The reference from disk where it is kept, any other method rendered now.
@@ -141,9 +149,9 @@ int render(const Context& context, const RenderCommand& command)
     if (!isExr) return failUsage(isExr.error());
     if (const Result<Done> fine = checkOutputs(command); !fine) return failWriting(fine.error());
     const double pixels =
-        static_cast<double>(command.width) * command.height; // sums, layers and the files: 300 bytes each
+        static_cast<double>(command.width) * command.height; // sums, layers, discs and the files: 700 bytes each
     const Result<Done> fits = checkFits(
-        300.0 * pixels, fmt::format("a picture of {} x {}", command.width, command.height), "make it smaller");
+        700.0 * pixels, fmt::format("a picture of {} x {}", command.width, command.height), "make it smaller");
     if (!fits) return fail(fits.error());
 
     const auto began = std::chrono::steady_clock::now();
@@ -167,9 +175,9 @@ int render(const Context& context, const RenderCommand& command)
     }
     const float ev = command.ev ? *command.ev : scene.exposureEv ? *scene.exposureEv : suitingEv(wholeView(view));
     const double rays = static_cast<double>(view.rays), error = meanError(view);
+    const ImageNotes notes = notesOf(*lighting, job, ev, view);
     const Result<Done> written =
-        writePicture(command.output, *isExr, std::move(view), lighting->method == Method::reference, ev,
-                     notesOf(*lighting, job, ev, part));
+        writePicture(command.output, *isExr, std::move(view), lighting->method == Method::reference, ev, notes);
     if (!written) return failWriting(written.error());
     if (!part.empty()) {
         const bool canResume = lighting->method == Method::reference && command.cache.isUsed;

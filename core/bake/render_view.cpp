@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/bake/render_view.h"
-#include "core/bake/view_passes.h"
+#include "core/bake/view_caustics.h"
 #include "core/base/units.h"
 #include "shaders/common.h"
 #include <cmath>
@@ -11,9 +11,22 @@ View continueView(const RayScene& rays, const LightSampler& lights, const Mix& m
                   const ViewJob& job, ViewState& state, Workers& workers, const std::stop_token& stop,
                   const std::function<void(double)>& progress)
 {
-    const Eye eye(rays, lights, mix, field, job);
-    const ViewPass pass{eye, job, Lens(job), workers, stop, progress};
-    return job.targetError > 0.0f ? adaptiveView(pass, state.ended) : evenView(pass, state.pixels);
+    const CausticLamps lamps(rays, lights, mix);
+    const bool byPhotons = job.indirect == ViewJob::Indirect::paths && job.caustics && !lamps.isEmpty();
+    const Eye eye(rays, lights, mix, field, job, byPhotons ? &lamps : nullptr);
+    const auto part = [&](double from, double to) {
+        return [&progress, from, to](double f) {
+            if (progress) progress(from + (to - from) * f);
+        };
+    };
+    const std::function<void(double)> first = part(0.0, byPhotons ? 0.5 : 1.0), second = part(0.5, 1.0);
+    const ViewPass pass{eye, job, Lens(job), workers, stop, first};
+    View view = job.targetError > 0.0f ? adaptiveView(pass, state.ended) : evenView(pass, state.pixels);
+    if (!byPhotons) return view;
+    const ViewPass photons{eye, job, Lens(job), workers, stop, second};
+    if (view.isWhole) static_cast<void>(traceCaustics(photons, rays, lamps, state));
+    addCaustics(state, job, view);
+    return view;
 }
 
 View renderView(const RayScene& rays, const LightSampler& lights, const Mix& mix, const IndirectField* field,

@@ -22,6 +22,7 @@ struct ViewJob {
     int gatherRays = 256;   ///< per pixel, the same, where the field has no answer
     int pathDepth = 1024;
     std::uint64_t seed = 1;
+    bool caustics = true; ///< by paths: photons for small lamps by way of mirrors (CausticLamps)
 };
 
 /// Radiance towards the camera, cd/m2. `direct` and `indirect` add up to the picture.
@@ -33,6 +34,7 @@ struct View {
     bool isWhole = false;     ///< every pixel is as was asked; false after a stop
     std::uint64_t rays = 0;   ///< camera rays, over all pixels
     std::uint64_t capped = 0; ///< pixels that used all samples before they met the target
+    std::uint64_t causticRounds = 0; ///< of photons from small lamps by way of mirrors; 0: there are none
 };
 
 /// What a pixel has taken in so far.
@@ -46,18 +48,25 @@ struct PixelLight {
     glm::vec3 direct{0.0f}, indirect{0.0f}, error{0.0f};
     std::uint32_t samples = 0; ///< 0: not done
 };
+/// What photons of small lamps brought to a pixel, over the rounds.
+struct CausticPixel {
+    glm::dvec3 sum{0.0}, squares{0.0}; ///< of the rounds' radiances, cd/m2
+};
 /// All that a run has found so far. Plain data: kept in files, and gone on with to the same bits.
 struct ViewState {
-    std::vector<PixelSums> pixels; ///< of a job without a target, rows from the top
-    std::vector<PixelLight> ended; ///< of a job with one
+    std::vector<PixelSums> pixels;      ///< of a job without a target, rows from the top
+    std::vector<PixelLight> ended;      ///< of a job with one
+    std::vector<CausticPixel> caustics; ///< empty where the scene has no such light
+    std::uint64_t causticRounds = 0;
 };
 
 /// Camera rays start at the camera's near plane; outside the scene is black. Seen directly or in mirrors, a surface
 /// shows emission + diffuse / pi * (direct + indirect illuminance) + what its glossy lobe reflects (one sampled ray,
-/// beside exact direct light). `field` is needed for Indirect::field alone. Pixel p's batch b draws from stream
-/// (seed, p, b): the same bits on any number of threads. With a target the number of batches is chosen without bias
-/// (CrossedMean). A stop is seen within a row or a batch; without a target all pixels are then equally fine, with one
-/// those that were not begun show a first rough look.
+/// beside exact direct light). By paths, light of small lamps that meets a mirror first comes by photons, averaged over
+/// discs of 1 % of the scene's diagonal and less (CausticLamps; not what a glossy metal shows of it). `field` is needed
+/// for Indirect::field alone. Pixel p's batch b draws from stream (seed, p, b): the same bits on any number of threads.
+/// With a target the number of batches is chosen without bias (CrossedMean). A stop is seen within a row or a batch;
+/// without a target all pixels are then equally fine, with one those that were not begun show a first rough look.
 [[nodiscard]] View renderView(const RayScene& rays, const LightSampler& lights, const Mix& mix,
                               const IndirectField* field, const ViewJob& job, Workers& workers,
                               const std::stop_token& stop, const std::function<void(double fraction)>& progress = {});

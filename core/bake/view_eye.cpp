@@ -11,9 +11,9 @@ constexpr int kMostMirrors = 32; ///< between facing mirrors, say
 }
 
 Eye::Eye(const RayScene& rays, const LightSampler& lights, const Mix& mix, const IndirectField* field,
-         const ViewJob& job)
+         const ViewJob& job, const CausticLamps* byPhotons)
     : rays_(rays), lights_(lights), mix_(mix), field_(field), job_(job), directSamples_(share(job.directSamples)),
-      gatherRays_(share(job.gatherRays)), paths_(rays, lights, mix)
+      gatherRays_(share(job.gatherRays)), paths_(rays, lights, mix, byPhotons)
 {
     if (field_) cached_ = [this](glm::vec3 p, glm::vec3 n, glm::vec3& lux) { return field_->lookup(p, n, lux); };
 }

@@ -17,7 +17,7 @@ struct Radiance {
 class Eye {
 public:
     Eye(const RayScene& rays, const LightSampler& lights, const Mix& mix, const IndirectField* field,
-        const ViewJob& job);
+        const ViewJob& job, const CausticLamps* byPhotons = nullptr);
     Eye(const Eye&) = delete; // cached_ points here
     Eye& operator=(const Eye&) = delete;
 

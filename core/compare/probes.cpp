@@ -128,12 +128,17 @@ std::string resultText(const ProbeTable& table, std::optional<std::size_t> wante
 {
     std::string text = fmt::format("{},{}", kPointsHeader, kLightHeader);
     if (!table.standardError.empty()) text += fmt::format(",{}", kErrorHeader);
+    if (!table.caustic.empty()) text += ",caustic_r,caustic_g,caustic_b,caustic_blur";
     text += '\n';
     for (std::size_t i = 0; i < table.points.size(); ++i) {
         appendPoint(text, table.points[i]);
         appendLight(text, table.direct[i]);
         appendLight(text, table.indirect[i]);
         if (!table.standardError.empty()) appendLight(text, table.standardError[i]);
+        if (!table.caustic.empty()) {
+            appendLight(text, table.caustic[i]);
+            text += fmt::format(",{}", table.causticBlur[i]);
+        }
         text += '\n';
     }
     if (wanted) text += fmt::format("{}: {} of {} points\n", kIncomplete, table.points.size(), *wanted);

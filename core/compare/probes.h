@@ -31,9 +31,12 @@ struct ProbeTable {
     std::vector<ProbeRow> points; ///< empty if the table has no positions
     std::vector<glm::vec3> direct, indirect;
     std::vector<glm::vec3> standardError; ///< of direct + indirect; empty but for `reference`
+    std::vector<glm::vec3> caustic;       ///< part of `indirect` by photons; empty where none were shot
+    std::vector<float> causticBlur;       ///< bound on its blur (luminance), beside the standard error
 };
 
-/// `x,y,z,nx,ny,nz,direct_r,direct_g,direct_b,indirect_r,indirect_g,indirect_b[,stderr_r,stderr_g,stderr_b]`. With
+/// `x,y,z,nx,ny,nz,direct_r,direct_g,direct_b,indirect_r,indirect_g,indirect_b[,stderr_r,stderr_g,stderr_b]` and, where
+/// the reference shot photons, `,caustic_r,caustic_g,caustic_b,caustic_blur`. With
 /// `wanted`, a last line says that the table was interrupted and holds only the first rows of so many; `parseResult`
 /// refuses such a table, and so does any reader that expects numbers.
 [[nodiscard]] std::string resultText(const ProbeTable& table, std::optional<std::size_t> wanted = {});

@@ -11,7 +11,7 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Rises whenever the reference computes another number, or a file's form changes: older entries are then not found.
-constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kVersion = 3;
 constexpr std::string_view kMagic = "LLREF\n";
 
 /// Everything that all jobs of one question share. Two references with one key differ in how long they were traced.
@@ -113,8 +113,8 @@ public:
         ByteReader in(*content);
         Head head;
         ReferenceState found;
-        if (!head.read(in, key_) || !in.get(found.goal) || !in.get(found.probes) || !in.isAtEnd() ||
-            found.probes.size() != probes_) {
+        if (!head.read(in, key_) || !in.get(found.goal) || !in.get(found.probes) || !in.get(found.caustics) ||
+            !in.get(found.causticRounds) || !in.isAtEnd() || found.probes.size() != probes_) {
             return damaged(kWrongContent);
         }
         ReferenceJob own = job_;
@@ -156,15 +156,17 @@ private:
     bool resume_;
 };
 
-/// A whole picture as its pixels are kept.
-std::vector<PixelLight> pixelsOf(const View& view)
+/// A whole picture as it is kept: its pixels, and nothing to go on with.
+ViewState whole(const View& view, const ViewState& state)
 {
-    std::vector<PixelLight> pixels(view.direct.pixels.size());
-    for (std::size_t i = 0; i < pixels.size(); ++i) {
-        pixels[i] = {view.direct.pixels[i], view.indirect.pixels[i], view.standardError.pixels[i],
-                     static_cast<std::uint32_t>(view.samples)};
+    ViewState kept;
+    kept.ended.resize(view.direct.pixels.size());
+    for (std::size_t i = 0; i < kept.ended.size(); ++i) {
+        const auto samples = state.ended.empty() ? static_cast<std::uint32_t>(view.samples) : state.ended[i].samples;
+        kept.ended[i] = {view.direct.pixels[i], view.indirect.pixels[i], view.standardError.pixels[i], samples};
     }
-    return pixels;
+    kept.causticRounds = state.causticRounds;
+    return kept;
 }
 
 /// Looks through the entries of one question about a camera.
@@ -187,13 +189,15 @@ public:
         ViewState found;
         const std::size_t pixels = static_cast<std::size_t>(job_.width) * static_cast<std::size_t>(job_.height);
         if (!head.read(in, key_) || !in.get(isWhole) || !in.get(found.pixels) || !in.get(found.ended) ||
-            !in.isAtEnd() || found.pixels.size() + found.ended.size() != pixels) {
+            !in.get(found.caustics) || !in.get(found.causticRounds) || !in.isAtEnd() ||
+            found.pixels.size() + found.ended.size() != pixels) {
             return damaged(kWrongContent);
         }
         const bool isSame = head == Head{job_.samples, job_.targetError};
         if (isWhole && (isSame || (match_ == ReferenceMatch::asGood && isAsGood(head)))) {
             CacheFolders::touch(path);
             kept = {viewOf(job_, found.ended), true, 0, path};
+            kept.result.causticRounds = found.causticRounds;
             return false;
         }
         if (!isWhole && isSame && resume_) {
@@ -224,7 +228,8 @@ KeptReference ReferenceStore::illuminance(const RayScene& rays, const LightSampl
                                           const std::function<void(double)>& progress) const
 {
     Key key("probes", rays, mix);
-    key.add(job.seed).add(job.pathDepth).add(job.directSamples).add(static_cast<std::uint64_t>(points.size()));
+    key.add(job.seed).add(job.pathDepth).add(job.directSamples).add(job.caustics);
+    key.add(static_cast<std::uint64_t>(points.size()));
     for (const ProbePoint& point : points) key.add(point.position).add(point.normal).add(point.stream);
     const Sha256::Digest& digest = key.finish();
 
@@ -238,6 +243,8 @@ KeptReference ReferenceStore::illuminance(const RayScene& rays, const LightSampl
     Head{job.paths, job.targetError}.write(out, digest);
     out.put(search.state.goal);
     out.put(search.state.probes);
+    out.put(search.state.caustics);
+    out.put(search.state.causticRounds);
     kept.file = folders_.keep(key.name(job.paths, job.targetError), std::move(out).sealed());
     return std::move(kept);
 }
@@ -249,7 +256,13 @@ KeptView ReferenceStore::picture(const RayScene& rays, const LightSampler& light
     assert(job.indirect == ViewJob::Indirect::paths);
     const Camera& c = job.camera;
     Key key("view", rays, mix);
-    key.add(job.seed).add(job.pathDepth).add(job.directSamples).add(job.width).add(job.height).add(c.position);
+    key.add(job.seed)
+        .add(job.pathDepth)
+        .add(job.directSamples)
+        .add(job.caustics)
+        .add(job.width)
+        .add(job.height)
+        .add(c.position);
     for (int i = 0; i < 4; ++i) key.add(c.orientation[i]);
     key.add(c.yFov).add(c.nearPlane);
     const Sha256::Digest& digest = key.finish();
@@ -261,12 +274,14 @@ KeptView ReferenceStore::picture(const RayScene& rays, const LightSampler& light
     ViewState& state = search.state;
     kept.result = continueView(rays, lights, mix, nullptr, job, state, workers, stop, progress);
     if (kept.result.rays == 0) return std::move(kept);
-    if (kept.result.isWhole && job.targetError == 0.0f) state = {{}, pixelsOf(kept.result)};
+    if (kept.result.isWhole) state = whole(kept.result, state);
     ByteWriter out;
     Head{job.samples, job.targetError}.write(out, digest);
     out.put(static_cast<std::uint32_t>(kept.result.isWhole));
     out.put(state.pixels);
     out.put(state.ended);
+    out.put(state.caustics);
+    out.put(state.causticRounds);
     kept.file = folders_.keep(key.name(job.samples, job.targetError), std::move(out).sealed());
     return std::move(kept);
 }

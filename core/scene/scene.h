@@ -54,7 +54,13 @@ struct Material {
     [[nodiscard]] bool isEmissive() const { return emission.x > 0 || emission.y > 0 || emission.z > 0; }
 };
 inline constexpr float kMirrorRoughness = 0.05f; ///< below this a metal is a perfect mirror
-inline constexpr float kLargestAlbedo = 0.99f;   ///< albedos are clamped here: at 1 light in a closed room never ends
+/// True if some point of the material may be a perfect mirror (a texture of roughness scales it down).
+[[nodiscard]] inline bool mayMirror(const Material& m)
+{
+    const bool isMetal = m.metallic > 0.0f && (m.baseColor.x > 0.0f || m.baseColor.y > 0.0f || m.baseColor.z > 0.0f);
+    return isMetal && (m.roughness < kMirrorRoughness || m.metallicRoughnessTexture.isSet());
+}
+inline constexpr float kLargestAlbedo = 0.99f; ///< albedos are clamped here: at 1 light in a closed room never ends
 
 /// Triangles of one material, in the space of the meshes' own node.
 struct Mesh {

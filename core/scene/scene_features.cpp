@@ -126,9 +126,7 @@ void lookAtMaterials(const Scene& scene, SceneFeatures& features)
         const Material& m = scene.materials[i];
         ++features.materials;
         const bool isMetal = m.metallic > 0.0f && maxChannel({m.baseColor.x, m.baseColor.y, m.baseColor.z}) > 0.0f;
-        // a texture of roughness scales it down and may reach a mirror
-        const bool maySmooth = m.roughness < kMirrorRoughness || m.metallicRoughnessTexture.isSet();
-        features.hasMirrors = features.hasMirrors || (isMetal && maySmooth);
+        features.hasMirrors = features.hasMirrors || mayMirror(m);
         features.hasGlossyMetal = features.hasGlossyMetal || (isMetal && m.roughness >= kMirrorRoughness);
         features.hasTransmission = features.hasTransmission || m.transmission > 0.0f;
         features.hasTextures = features.hasTextures || m.baseColorTexture.isSet() ||

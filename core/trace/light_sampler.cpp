@@ -302,13 +302,19 @@ bool LightSampler::emit(int group, Rng& rng, EmittedPhoton& photon) const
     const Dealer& dealer = state_->groups[static_cast<std::size_t>(group)];
     if (dealer.sums.empty() || !(dealer.sums.back() > 0.0)) return false;
     const std::size_t i = pick(dealer.sums, rng.uniformDouble() * dealer.sums.back()).index;
-    const auto e = static_cast<std::size_t>(dealer.emitters[i]);
-    const Emitter& emitter = state_->emitters[e];
-    if (emitter.kind == Emitter::Kind::surface)
+    static_cast<void>(emitFrom(dealer.emitters[i], rng, photon));
+    photon.flux /= static_cast<float>(dealer.chances[i]);
+    return maxChannel(photon.flux) > 0.0f;
+}
+
+bool LightSampler::emitFrom(int emitter, Rng& rng, EmittedPhoton& photon) const
+{
+    const auto e = static_cast<std::size_t>(emitter);
+    const Emitter& what = state_->emitters[e];
+    if (what.kind == Emitter::Kind::surface)
         state_->emitSurface(state_->shapes[e], rng, photon);
     else
-        state_->emitPunctual(emitter, state_->cones[e], rng, photon);
-    photon.flux /= static_cast<float>(dealer.chances[i]);
+        state_->emitPunctual(what, state_->cones[e], rng, photon);
     return maxChannel(photon.flux) > 0.0f;
 }
 

@@ -54,6 +54,9 @@ public:
     /// flux makes up for the choice. False: the group is dark, or dark at the point picked (textures).
     [[nodiscard]] bool emit(int group, Rng& rng, EmittedPhoton& photon) const;
 
+    /// A photon from one emitter, by its own law. False: dark at the point picked.
+    [[nodiscard]] bool emitFrom(int emitter, Rng& rng, EmittedPhoton& photon) const;
+
     /// A sample of `emitter` seen from `p`: `u` uniform in the unit square. False: nothing arrives at `p` from it.
     /// Surface emitters: uniform by area within a triangle picked by area; only sides that emit count.
     [[nodiscard]] bool sample(int emitter, glm::vec3 p, glm::vec2 u, LightSample& out) const;

@@ -11,8 +11,8 @@ constexpr float kFar = std::numeric_limits<float>::infinity();
 
 } // namespace
 
-PathWalk::PathWalk(const RayScene& rays, const LightSampler& lights, const Mix& mix)
-    : rays_(rays), lights_(lights), mix_(mix), choice_(lights, mix)
+PathWalk::PathWalk(const RayScene& rays, const LightSampler& lights, const Mix& mix, const CausticLamps* byPhotons)
+    : rays_(rays), lights_(lights), mix_(mix), choice_(lights, mix), byPhotons_(byPhotons)
 {
 }
 
@@ -69,7 +69,7 @@ glm::vec3 PathWalk::fromLamps(const Surface& surface, glm::vec3 p, glm::vec3 n, 
 /// The lobe's weight for an emitter that its ray met by chance.
 float PathWalk::lobeShare(const Scatter& lobe, glm::vec3 from, const Hit& hit) const
 {
-    if (lobe.isMirror) return 1.0f;
+    if (lobe.isMirror) return byPhotons_ && byPhotons_->has(lights_.emitterOf(hit.triangle)) ? 0.0f : 1.0f;
     const float lamps = choice_.chance(from, lights_.emitterOf(hit.triangle)) * lights_.pdf(from, hit);
     return lobe.pdf / (lobe.pdf + lamps);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include "core/trace/caustic_lamps.h"
 #include "core/trace/emitter_choice.h"
 #include "core/trace/material.h"
 
@@ -7,10 +8,11 @@ namespace lightloom {
 
 /// Unidirectional paths with next event estimation; the balance heuristic joins lamps and lobes (Veach 1997). Unbiased
 /// up to the given number of surfaces, but for light of point, spot and directional lamps that meets a mirror first:
-/// no path finds it. Built for one mix, then only read. Keeps references.
+/// no path finds it. With `byPhotons` the light of those lamps that meets a mirror first is left to photons altogether.
+/// Built for one mix, then only read. Keeps references.
 class PathWalk {
 public:
-    PathWalk(const RayScene& rays, const LightSampler& lights, const Mix& mix);
+    PathWalk(const RayScene& rays, const LightSampler& lights, const Mix& mix, const CausticLamps* byPhotons = nullptr);
 
     /// cd/m2 that `hit` emits towards the ray that came along.
     [[nodiscard]] glm::vec3 emitted(const Hit& hit, const Surface& surface) const;
@@ -32,6 +34,7 @@ private:
     const LightSampler& lights_;
     const Mix& mix_;
     EmitterChoice choice_;
+    const CausticLamps* byPhotons_;
 };
 
 } // namespace lightloom

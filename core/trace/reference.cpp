@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/trace/reference.h"
 #include "core/base/sampling.h"
+#include "core/base/units.h"
 #include "core/trace/path_walk.h"
 #include <atomic>
 #include <limits>
@@ -45,8 +46,10 @@ ProbeLight lightOf(const Sums& sums)
 /// probe: a run may stop and go on between any two.
 class ReferenceRun {
 public:
-    ReferenceRun(const RayScene& rays, const LightSampler& lights, const Mix& mix, const ReferenceJob& job)
-        : rays_(rays), lights_(lights), mix_(mix), job_(job), walk_(rays, lights, mix)
+    ReferenceRun(const RayScene& rays, const LightSampler& lights, const Mix& mix, const ReferenceJob& job,
+                 const CausticLamps& byPhotons)
+        : rays_(rays), lights_(lights), mix_(mix), job_(job),
+          walk_(rays, lights, mix, job.caustics ? &byPhotons : nullptr)
     {
         int surfaces = 0;
         for (const Emitter& e : lights.emitters()) surfaces += e.kind == Emitter::Kind::surface ? 1 : 0;
@@ -140,6 +143,72 @@ glm::dvec2 goalOf(const std::vector<Sums>& probes, float target)
     return sum * (static_cast<double>(target) / glm::max(1.0, static_cast<double>(probes.size())));
 }
 
+/// Rounds of photons that go with the paths.
+std::uint64_t roundsOf(const ReferenceJob& job) { return std::max<std::uint64_t>(16, mostBatches(job)); }
+
+CausticJob causticJob(const ReferenceJob& job) { return {job.seed, job.pathDepth}; }
+
+/// True once the errors of the photons' share are within the goal for indirect light, over all probes: one number for
+/// all, so that hardly any probe's own noise ends the run.
+bool isFineEnough(const std::vector<CausticSums>& sums, double goal)
+{
+    double squares = 0.0;
+    for (const CausticSums& s : sums) {
+        const double error = static_cast<double>(luminance(glm::vec3(s.standardError())));
+        squares += error * error;
+    }
+    return squares <= goal * goal * static_cast<double>(sums.size());
+}
+
+/// Goes on with the rounds until there are enough. False: stopped.
+bool traceCaustics(const RayScene& rays, const CausticLamps& lamps, const std::vector<ProbePoint>& points,
+                   const ReferenceJob& job, ReferenceState& state, Workers& workers, const std::stop_token& stop,
+                   const std::function<void(double)>& progress)
+{
+    state.caustics.resize(points.size());
+    const float most = causticRadius(rays, 0);
+    std::vector<CatchPoint> discs;
+    for (const ProbePoint& p : points) {
+        discs.push_back({p.position, p.normal, clearRadius(rays, p.position, p.normal, most)});
+    }
+    const std::uint64_t rounds = roundsOf(job);
+    while (state.causticRounds < rounds) {
+        const bool hasGoal = isAdaptive(job) && state.causticRounds >= 16;
+        if (hasGoal && isFineEnough(state.caustics, state.goal.y)) return true;
+        if (!addCausticRound(rays, lamps, causticJob(job), state.causticRounds, discs, state.caustics, workers, stop))
+            return false;
+        ++state.causticRounds;
+        if (progress) progress(static_cast<double>(state.causticRounds) / static_cast<double>(rounds));
+    }
+    return true;
+}
+
+/// True if the rounds that the job asks for are all there.
+bool hasAllRounds(const ReferenceState& state, const ReferenceJob& job)
+{
+    if (state.caustics.empty() || state.causticRounds >= roundsOf(job)) return true;
+    return isAdaptive(job) && state.causticRounds >= 16 && isFineEnough(state.caustics, state.goal.y);
+}
+
+void addCaustics(const ReferenceState& state, const ReferenceJob& job, ReferenceResult& result)
+{
+    if (state.caustics.empty()) return;
+    result.causticPhotons = state.causticRounds * causticJob(job).photons;
+    double radii = 0.0;
+    for (std::size_t i = 0; i < state.caustics.size(); ++i) {
+        const CausticSums& sums = state.caustics[i];
+        ProbeLight& light = result.probes[i];
+        light.caustic = glm::vec3(sums.mean());
+        light.indirect += light.caustic;
+        const glm::dvec3 paths(light.indirectError), photons = sums.standardError();
+        light.indirectError = glm::vec3(glm::sqrt(paths * paths + photons * photons));
+        light.causticBlur = static_cast<float>(sums.blurBound());
+        radii += sums.radiusSum;
+    }
+    const double count = static_cast<double>(state.caustics.size()) * static_cast<double>(state.causticRounds);
+    result.causticRadius = radii / std::max(1.0, count);
+}
+
 } // namespace
 
 ReferenceResult resultOf(const ReferenceState& state, const ReferenceJob& job)
@@ -156,6 +225,8 @@ ReferenceResult resultOf(const ReferenceState& state, const ReferenceJob& job)
         out.leastPaths = out.probes.empty() ? paths : std::min(out.leastPaths, paths);
         out.probes.push_back(lightOf(s));
     }
+    addCaustics(state, job, out);
+    if (!hasAllRounds(state, job)) out.finished = 0;
     return out;
 }
 
@@ -165,7 +236,10 @@ ReferenceResult continueReference(const RayScene& rays, const LightSampler& ligh
                                   const std::function<void(double)>& progress)
 {
     state.probes.resize(points.size());
-    const ReferenceRun run(rays, lights, mix, job);
+    const CausticLamps lamps(rays, lights, mix);
+    const ReferenceRun run(rays, lights, mix, job, lamps);
+    const bool byPhotons = job.caustics && !lamps.isEmpty() && !points.empty();
+    if (byPhotons) state.caustics.resize(points.size());
     std::atomic<std::size_t> ended = 0;
     const auto sweep = [&](std::uint64_t batches, double from, double to) {
         ended = 0;
@@ -178,12 +252,16 @@ ReferenceResult continueReference(const RayScene& rays, const LightSampler& ligh
         return all && !isStopped;
     };
     double from = 0.0;
+    const double end = byPhotons ? 0.5 : 1.0;
     if (isAdaptive(job) && state.goal.x < 0.0) {
-        from = 0.1;
+        from = 0.1 * end;
         if (!sweep(2 * Sums::kLeast, 0.0, from)) return resultOf(state, job);
         state.goal = goalOf(state.probes, job.targetError);
     }
-    static_cast<void>(sweep(mostBatches(job), from, 1.0));
+    if (!sweep(mostBatches(job), from, end) || !byPhotons) return resultOf(state, job);
+    static_cast<void>(traceCaustics(rays, lamps, points, job, state, workers, stop, [&](double fraction) {
+        if (progress) progress(end + (1.0 - end) * fraction);
+    }));
     return resultOf(state, job);
 }
 
