@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/trace/caustic_discs.h"
 #include "core/base/sampling.h"
+#include "core/trace/embree_options.h"
 #include <cmath>
 #include <embree3/rtcore.h>
 #include <new>
@@ -97,7 +98,7 @@ CausticDiscs::CausticDiscs(const RayScene& rays, const std::vector<CatchPoint>& 
     s.catches = std::vector<Catch>(points.size());
     // 2^52 quanta below the scale: no photon's rounding shows, and sums a thousand times as large still fit
     s.quantum = std::ldexp(1.0, std::ilogb(std::max(scale, 1e-300)) + 1 - 52);
-    s.device = rtcNewDevice((std::string("isa=") + std::string(rays.isaName())).c_str());
+    s.device = rtcNewDevice(embreeOptions(rays.isaName()).c_str());
     if (!s.device) throw std::bad_alloc();
     if (!points.empty()) s.build();
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/trace/ray_scene.h"
 #include "core/base/units.h"
+#include "core/trace/embree_options.h"
 #include "core/trace/material.h"
 #include <cmath>
 #include <embree3/rtcore.h>
@@ -207,7 +208,7 @@ try {
     auto state = std::make_unique<State>();
     state->scene = std::move(scene);
     state->isa = *config;
-    state->device.reset(rtcNewDevice(("isa=" + *config).c_str()));
+    state->device.reset(rtcNewDevice(embreeOptions(*config).c_str()));
     if (!state->device) return Error{Error::Kind::unsupported, "Embree does not run on this machine"};
     if (!state->listTriangles(stop)) return stopped();
     if (const Result<Done> built = state->buildTree(stop); !built) return built.error();
