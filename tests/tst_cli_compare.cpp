@@ -68,6 +68,11 @@ private Q_SLOTS:
             const auto oneStep =
                 json(QStringList{"compare", at("bake.vdb"), at("reference.exr"), "--scene", kScene} + metric);
             QVERIFY2(oneStep == twoSteps, qPrintable(QString::fromStdString(oneStep.dump() + twoSteps.dump())));
+            const auto reference = *readExr(at("reference.exr").toStdString());
+            const double noise =
+                relativeNoise(reference.find("stderr")->pixels, oneStep["mean_reference"].get<double>());
+            QVERIFY(noise > 0.0);
+            QCOMPARE(oneStep["reference_noise"].get<double>(), noise);
         }
     }
 

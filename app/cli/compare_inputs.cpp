@@ -69,13 +69,14 @@ Result<Pair> pairOf(const CompareCommand& command, const LayeredImage& filesA, c
                                                         a.height, command.b, b.width, b.height)};
     }
     const std::string* unit = noteOf(filesB, "lightloom.unit");
+    const FloatImage* errors = filesB.find("stderr");
     return Pair{luminances(a.pixels),
                 luminances(b.pixels),
                 a,
                 b,
                 fmt::format("{}, {} x {} pixels", byIndirect ? "indirect light" : "picture", a.width, a.height),
                 unit && *unit == "cd/m2" ? LegendUnit::candelaPerM2 : LegendUnit::plain,
-                {}};
+                errors ? errors->pixels : std::vector<glm::vec3>{}};
 }
 
 Result<Lighting> readBaked(const Context& context, const CompareCommand& command)
