@@ -2,6 +2,7 @@
 // Claims: leaves hold exactly the reached surface; the light octree's mean and furnace values are the analytic ones,
 // whatever k; light groups add up; a progressive bake ends in the bits of a direct one, on any number of threads.
 #include "core/base/units.h"
+#include "core/octree/layer_fit.h"
 #include "core/octree/octree_build.h"
 #include "core/octree/octree_solver.h"
 #include "core/photonmap/photon_map_solver.h"
@@ -247,6 +248,42 @@ private Q_SLOTS:
         QVERIFY2(std::abs(mean / truth - 1.0) <= 0.02, qPrintable(QString("%1 of %2").arg(mean).arg(truth)));
         glm::vec3 lux;
         QVERIFY(!field->lookup(scene->bounds.centre(), {0, 1, 0}, lux)); // mid-air: no answer
+    }
+
+    void someLeavesAnswerAsAllOfThem() // what pilots of a bake rely on
+    {
+        const auto scene = share(twoRooms()); // a wall within reach of both sides' probes
+        BakeParams params;
+        params.photonCount = 20'000, params.gatherCount = 30;
+        params.octreeDepth = params.octreeFirstDepth = 5;
+        BakeProducts products;
+        const Baked whole = bake(scene, params, 2, {}, &products);
+        Workers workers(2);
+        BakeControl control(workers, {});
+        const Result<PhotonProducts> photons = photonProducts({scene, params, {}}, products, control, 1.0);
+        QVERIFY(whole.octree && photons);
+        std::vector<ProbePoint> points;
+        const SceneProducts& at = photons->scene;
+        for (const SurfacePoint& p : samplePoints(*at.rays, *at.lights, *at.reach, 60, 5))
+            points.push_back({p.position, p.normal, 0});
+        points.push_back({{1e9f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, 0}); // reads nothing
+
+        const auto part = std::make_shared<const OctreeGeometry>(leavesRead(whole.octree->geometry(), points));
+        QVERIFY(!part->entries.empty() && part->entries.size() < whole.octree->geometry().entries.size() / 4);
+        std::vector<std::shared_ptr<const VdlLayer>> layers(scene->groups.size());
+        for (std::size_t g = 0; g < layers.size(); ++g) {
+            const auto layer = emptyLayer(*part, static_cast<int>(g), params);
+            const LayerFit fit(*part, *photons->maps[g], *photons->area, params, *layer);
+            FitScratch scratch;
+            for (std::uint32_t e = 0; e < part->entries.size(); ++e) static_cast<void>(fit.fit(e, scratch));
+            layers[g] = layer;
+        }
+        const LightOctree some(part, std::move(layers), params.vdlForm, {});
+        for (const ProbePoint& p : points) {
+            glm::vec3 a, b;
+            QCOMPARE(some.lookup(p.position, p.normal, a), whole.octree->lookup(p.position, p.normal, b));
+            QVERIFY(a == b);
+        }
     }
 };
 

@@ -147,4 +147,27 @@ std::vector<Vdl> LightOctree::mixed(std::uint32_t e, int most) const
     return out;
 }
 
+OctreeGeometry leavesRead(const OctreeGeometry& geometry, std::span<const ProbePoint> points)
+{
+    std::vector<std::size_t> leaves;
+    for (const ProbePoint& point : points) {
+        static_cast<void>(visitNeighbours(geometry, point.position, point.normal, [&](std::size_t entry, float) {
+            const auto next = std::ranges::upper_bound(geometry.firstEntry, entry);
+            leaves.push_back(static_cast<std::size_t>(next - geometry.firstEntry.begin()) - 1);
+        }));
+    }
+    std::ranges::sort(leaves);
+    const auto doubled = std::ranges::unique(leaves);
+    leaves.erase(doubled.begin(), doubled.end());
+    OctreeGeometry part{geometry.depth, geometry.lowest, geometry.rootSize, {}, {}, {}};
+    for (const std::size_t leaf : leaves) {
+        part.cells.push_back(geometry.cells[leaf]);
+        part.firstEntry.push_back(static_cast<std::uint32_t>(part.entries.size()));
+        for (std::uint32_t e = geometry.firstEntry[leaf]; e < geometry.firstEntry[leaf + 1]; ++e)
+            part.entries.push_back(geometry.entries[e]);
+    }
+    part.firstEntry.push_back(static_cast<std::uint32_t>(part.entries.size()));
+    return part;
+}
+
 } // namespace lightloom

@@ -2,6 +2,7 @@
 #pragma once
 #include "core/field/indirect_field.h"
 #include "core/params/bake_params.h"
+#include "core/trace/reference.h"
 #include <span>
 #include <vector>
 
@@ -76,6 +77,10 @@ private:
     VdlForm form_;
     Mix mix_;
 };
+
+/// The leaves that lookups at the points read, with all their entries: a field over these answers there as one over the
+/// whole octree does, to the bit.
+[[nodiscard]] OctreeGeometry leavesRead(const OctreeGeometry& geometry, std::span<const ProbePoint> points);
 
 inline constexpr float kCompatibleCosine = 0.3f; ///< entries whose normal is further off do not answer
 

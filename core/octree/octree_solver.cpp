@@ -1,71 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/octree/octree_solver.h"
-#include "core/base/units.h"
+#include "core/octree/layer_fit.h"
 #include "core/octree/octree_build.h"
-#include "core/octree/vdl_cluster.h"
 #include "core/params/param_text.h"
-#include "core/photonmap/density.h"
 #include "core/photonmap/photon_products.h"
 #include <atomic>
-#include <cmath>
 #include <fmt/format.h>
 
 namespace lightloom {
 namespace {
 
 constexpr double kPhotonShare = 0.4; ///< of a bake's time; the rest goes by the number of cells of each depth
-
-/// What one thread needs to fit entries.
-struct FitScratch {
-    Gathered gathered;
-    ClusterScratch clusters;
-    std::vector<LightVector> lights;
-};
-
-/// Gathers and clusters the entries of one layer.
-class LayerFit {
-public:
-    LayerFit(const OctreeGeometry& geometry, const PhotonMap& map, const SurfaceArea& area, const BakeParams& params,
-             VdlLayer& layer)
-        : geometry_(geometry), map_(map), area_(area), form_(params.vdlForm), layer_(layer),
-          kernel_(DensityKernel::of(params, map, area, geometry.cellSize()))
-    {
-    }
-
-    /// True if the entry's kernel had no area worth the name.
-    bool fit(std::uint32_t e, FitScratch& s)
-    {
-        const OctreeEntry& entry = geometry_.entries[e];
-        const Density density = estimateDensity(map_, area_, kernel_, entry.centroid, entry.normal, s.gathered);
-        s.lights.clear();
-        glm::dvec3 scalar(0.0);
-        double squares = 0.0;
-        for (const std::uint32_t number : s.gathered.photons) {
-            const Photon& photon = map_.photon(number);
-            const glm::vec3 lux = photon.flux * static_cast<float>(density.perFlux);
-            scalar += glm::dvec3(lux);
-            squares += static_cast<double>(luminance(lux)) * static_cast<double>(luminance(lux));
-            // a photon's density already holds the cosine at its own surface (METHODS section 3): divide it out, except
-            // in the form as printed
-            const float cosine = glm::max(glm::dot(photon.normal, photon.toLight), kLeastCosine);
-            const glm::vec3 colour = form_ == VdlForm::corrected ? lux / cosine : lux;
-            s.lights.push_back({photon.toLight, colour, luminance(photon.flux)});
-        }
-        const auto count = static_cast<std::size_t>(layer_.count);
-        fitVdls(s.lights, entry.normal, form_, std::span(layer_.vdls).subspan(e * count, count), s.clusters);
-        layer_.scalar[e] = glm::vec3(scalar);
-        layer_.noise[e] = static_cast<float>(std::sqrt(squares)); // photons arrive independently, like rain
-        return density.isDegenerate;
-    }
-
-private:
-    const OctreeGeometry& geometry_;
-    const PhotonMap& map_;
-    const SurfaceArea& area_;
-    VdlForm form_;
-    VdlLayer& layer_;
-    DensityKernel kernel_;
-};
 
 class OctreeBake {
 public:
@@ -78,7 +23,7 @@ public:
 
     Result<Done> depth(int d)
     {
-        const auto geometry = geometryOf(d);
+        const auto geometry = octreeGeometry(job_, photons_.scene, d, products_, control_);
         if (!geometry) return cancelled();
         products_.counters.leaves = geometry->cells.size();
         products_.counters.entries = geometry->entries.size();
@@ -99,18 +44,6 @@ public:
 private:
     static double cellsOf(int d) { return static_cast<double>(1u << (2 * std::min(d, 12))); } // surfaces: 4 per level
 
-    std::shared_ptr<const OctreeGeometry> geometryOf(int d)
-    {
-        const std::string key = fmt::format("{}d{} shift{}", photons_.scene.key, d, job_.params.gridShift);
-        auto geometry = products_.find<OctreeGeometry>(key);
-        if (geometry) return geometry;
-        const StageClock clock(fmt::format("octree d{}", d), control_);
-        geometry = buildOctree(job_.scene->bounds, *photons_.scene.reach, d, job_.params.gridShift, control_.workers(),
-                               control_.stop());
-        if (geometry) products_.keep(key, geometry, clock.stop());
-        return geometry;
-    }
-
     std::shared_ptr<const VdlLayer> layerOf(const OctreeGeometry& geometry, std::size_t g)
     {
         BakeParams atDepth = job_.params; // a layer of one depth does not depend on what other depths are shown
@@ -119,12 +52,7 @@ private:
             photons_.scene.key + job_.scene->groups[g].id + "\n" + stageKey(atDepth, Stage::fit, Method::lightOctree);
         if (auto kept = products_.find<VdlLayer>(key)) return kept;
         const StageClock clock(fmt::format("gather d{}", geometry.depth), control_);
-        auto layer = std::make_shared<VdlLayer>();
-        layer->group = static_cast<int>(g);
-        layer->count = job_.params.vdlCount;
-        layer->vdls.resize(geometry.entries.size() * static_cast<std::size_t>(layer->count));
-        layer->scalar.resize(geometry.entries.size());
-        layer->noise.resize(geometry.entries.size());
+        const auto layer = emptyLayer(geometry, static_cast<int>(g), job_.params);
         if (!fitAll(geometry, *photons_.maps[g], *layer)) return nullptr;
         products_.keep<VdlLayer>(key, layer, clock.stop());
         return layer;
@@ -186,6 +114,19 @@ Result<Done> showRough(const BakeJob& job, BakeProducts& products, BakeControl& 
 }
 
 } // namespace
+
+std::shared_ptr<const OctreeGeometry> octreeGeometry(const BakeJob& job, const SceneProducts& at, int depth,
+                                                     BakeProducts& products, BakeControl& control)
+{
+    const std::string key = fmt::format("{}d{} shift{}", at.key, depth, job.params.gridShift);
+    auto geometry = products.find<OctreeGeometry>(key);
+    if (geometry) return geometry;
+    const StageClock clock(fmt::format("octree d{}", depth), control);
+    geometry =
+        buildOctree(job.scene->bounds, *at.reach, depth, job.params.gridShift, control.workers(), control.stop());
+    if (geometry) products.keep(key, geometry, clock.stop());
+    return geometry;
+}
 
 Result<Done> OctreeSolver::bake(const BakeJob& job, BakeProducts& products, BakeControl& control)
 {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "core/field/solver.h"
+#include "core/octree/light_octree.h"
 
 namespace lightloom {
 
@@ -9,5 +10,9 @@ class OctreeSolver final : public Solver {
 public:
     Result<Done> bake(const BakeJob& job, BakeProducts& products, BakeControl& control) override;
 };
+
+/// Leaves of one depth for the job's scene and lattice shift, from `products` or built now. Null: stopped.
+[[nodiscard]] std::shared_ptr<const OctreeGeometry>
+octreeGeometry(const BakeJob& job, const SceneProducts& at, int depth, BakeProducts& products, BakeControl& control);
 
 } // namespace lightloom

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/octree/layer_fit.h"
+#include "core/base/units.h"
+#include <cmath>
+
+namespace lightloom {
+
+std::shared_ptr<VdlLayer> emptyLayer(const OctreeGeometry& geometry, int group, const BakeParams& params)
+{
+    auto layer = std::make_shared<VdlLayer>();
+    layer->group = group;
+    layer->count = params.vdlCount;
+    layer->vdls.resize(geometry.entries.size() * static_cast<std::size_t>(layer->count));
+    layer->scalar.resize(geometry.entries.size());
+    layer->noise.resize(geometry.entries.size());
+    return layer;
+}
+
+LayerFit::LayerFit(const OctreeGeometry& geometry, const PhotonMap& map, const SurfaceArea& area,
+                   const BakeParams& params, VdlLayer& layer)
+    : geometry_(geometry), map_(map), area_(area), form_(params.vdlForm), layer_(layer),
+      kernel_(DensityKernel::of(params, map, area, geometry.cellSize()))
+{
+}
+
+bool LayerFit::fit(std::uint32_t e, FitScratch& s) const
+{
+    const OctreeEntry& entry = geometry_.entries[e];
+    const Density density = estimateDensity(map_, area_, kernel_, entry.centroid, entry.normal, s.gathered);
+    s.lights.clear();
+    glm::dvec3 scalar(0.0);
+    double squares = 0.0;
+    for (const std::uint32_t number : s.gathered.photons) {
+        const Photon& photon = map_.photon(number);
+        const glm::vec3 lux = photon.flux * static_cast<float>(density.perFlux);
+        scalar += glm::dvec3(lux);
+        squares += static_cast<double>(luminance(lux)) * static_cast<double>(luminance(lux));
+        // a photon's density already holds the cosine at its own surface (METHODS section 3): divide it out, except
+        // in the form as printed
+        const float cosine = glm::max(glm::dot(photon.normal, photon.toLight), kLeastCosine);
+        const glm::vec3 colour = form_ == VdlForm::corrected ? lux / cosine : lux;
+        s.lights.push_back({photon.toLight, colour, luminance(photon.flux)});
+    }
+    const auto count = static_cast<std::size_t>(layer_.count);
+    fitVdls(s.lights, entry.normal, form_, std::span(layer_.vdls).subspan(e * count, count), s.clusters);
+    layer_.scalar[e] = glm::vec3(scalar);
+    layer_.noise[e] = static_cast<float>(std::sqrt(squares)); // photons arrive independently, like rain
+    return density.isDegenerate;
+}
+
+} // namespace lightloom
