@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Claim: the window does its job when driven as a person would: it opens a scene, bakes by itself, refines in front of
 // the user, orbits, dims a lamp without shooting photons, pauses, cancels, and closes at any time.
+#include "core/base/units.h"
+#include "core/compare/field_noise.h"
 #include "core/octree/light_octree.h"
+#include "gui_fixture.h"
 #include "widgets/bake_bridge.h"
 #include "widgets/bake_panel.h"
 #include "widgets/gl/gl_probe.h"
@@ -270,6 +273,43 @@ private Q_SLOTS:
         QVERIFY2(window->messages().text().contains("scene.glb"), qPrintable(window->messages().text()));
         QVERIFY(!window->isBaking() && !window->scene());
         QVERIFY(openAndBake(*window)); // and the window works on
+    }
+
+    void theBakeTellsWhereLightWentAndItsOwnNoise()
+    {
+        const auto window = makeWindow();
+        QVERIFY(window->bakePanel().lightText().isEmpty());
+        QVERIFY(openAndBake(*window));
+        static const QRegularExpression wanted(
+            "^Light: ([\\d.,]+) lm emitted, ([\\d.]+) % absorbed, ([\\d.]+) % escaped, ([\\d.]+) % cut off, "
+            "nothing missing$");
+        const QString light = window->bakePanel().lightText();
+        const auto match = wanted.match(light);
+        QVERIFY2(match.hasMatch(), qPrintable(light));
+        double emitted = 0.0;
+        for (const Emitter& e : window->snapshots().shown()->lights->emitters()) emitted += double(luminance(e.flux));
+        QVERIFY2(std::abs(QLocale().toDouble(match.captured(1)) / emitted - 1.0) <= 1e-3, qPrintable(light));
+        double shares = 0.0;
+        for (int i = 2; i <= 4; ++i) shares += match.captured(i).toDouble();
+        QVERIFY2(std::abs(shares - 100.0) <= 0.11, qPrintable(light)); // each is rounded
+        QVERIFY(match.captured(3).toDouble() > 10.0);                  // the box is open
+
+        // the noise is the one that the command line states for the same bake
+        const BakeView& view = *window->snapshots().shown();
+        const auto again = bakeOctree(window->scene(), smallBake());
+        QVERIFY(again);
+        const auto rays = RayScene::build(window->scene());
+        const LightSampler lights(*rays);
+        Workers workers;
+        const auto reach = LightReach::find(**rays, lights, workers, {});
+        const auto noise = statedNoise(*again, samplePoints(**rays, lights, *reach, 1000, 1));
+        QVERIFY(noise && view.noise && *noise > 0.0);
+        QCOMPARE(*view.noise, *noise);
+        QCOMPARE(window->bakePanel().noiseText(),
+                 QString("Noise: %1 % of the mean, stated by the bake").arg(100.0 * *noise, 0, 'f', 1));
+        QVERIFY(view.cpuSeconds > 0.0);
+        window->snapshots().findChildren<QToolButton*>().first()->click(); // rough: no statement
+        QCOMPARE(window->bakePanel().noiseText(), QString("Noise: not known"));
     }
 
     void olderSnapshotsCanBeLookedAt()

@@ -12,6 +12,18 @@ namespace lightloom {
 
 namespace {
 
+constexpr std::uint64_t kNoisePoints = 1000; ///< as many as the command line asks, the same ones
+
+std::shared_ptr<const std::vector<SurfacePoint>> noisePointsOf(const SceneProducts& scene, BakeProducts& products)
+{
+    using Points = std::vector<SurfacePoint>;
+    if (auto kept = products.find<Points>(scene.key)) return kept;
+    auto points =
+        std::make_shared<const Points>(samplePoints(*scene.rays, *scene.lights, *scene.reach, kNoisePoints, 1));
+    products.keep(scene.key, points);
+    return points;
+}
+
 /// On Linux a thread has its own nice value and hands it on to threads it starts.
 void lowerPriority()
 {
@@ -75,6 +87,7 @@ void BakeBridge::publish(Snapshot snapshot)
         serial = mixSerial_;
         if (serial_ == view.snapshot.serial) job.scene = scene_;
     }
+    view.cpuSeconds = allCpuSeconds(session_->products().counters.stages);
     // the solver made these for the same scene, so that this only finds them; a newer job will publish its own
     if (job.scene) {
         BakeControl control(*workers_, {});
@@ -82,6 +95,8 @@ void BakeBridge::publish(Snapshot snapshot)
         if (found) {
             view.rays = found->rays;
             view.lights = found->lights;
+            // a rough picture must not wait, and says nothing of the bake's noise
+            if (!view.snapshot.isRough) view.noisePoints = noisePointsOf(*found, session_->products());
         }
     }
     Q_EMIT shown(withMix(std::move(view), mix, serial));

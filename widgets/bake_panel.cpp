@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "widgets/bake_panel.h"
+#include "core/base/units.h"
 #include <QAction>
 #include <QHBoxLayout>
 #include <QLabel>
@@ -7,6 +8,7 @@
 #include <QProgressBar>
 #include <QToolButton>
 #include <QVBoxLayout>
+#include <cmath>
 
 namespace lightloom {
 
@@ -34,10 +36,29 @@ QString seconds(double ms)
     return ms < 1000.0 ? QObject::tr("%1 ms").arg(ms, 0, 'f', 0) : QObject::tr("%1 s").arg(ms / 1000.0, 0, 'f', 2);
 }
 
+/// Shares of the luminous flux, so that a coloured lamp counts as the eye counts it.
+QString audit(const Ledger& ledger)
+{
+    const auto flux = [](const glm::dvec3& v) {
+        return glm::dot(v, glm::dvec3(double{kLumaR}, double{kLumaG}, double{kLumaB}));
+    };
+    const double emitted = flux(ledger.emitted);
+    if (!(emitted > 0.0)) return {};
+    const auto share = [&](const glm::dvec3& v, int decimals) {
+        return QString::number(100.0 * flux(v) / emitted, 'f', decimals);
+    };
+    const double missing = 100.0 * std::abs(flux(ledger.missing())) / emitted;
+    return QObject::tr("Light: %1 lm emitted, %2 % absorbed, %3 % escaped, %4 % cut off, %5 missing")
+        .arg(QLocale().toString(emitted, 'f', emitted < 100.0 ? 2 : 0), share(ledger.absorbed, 1),
+             share(ledger.escaped, 1), share(ledger.terminated, 2),
+             missing < 1e-6 ? QObject::tr("nothing") : QObject::tr("%1 %").arg(missing));
+}
+
 } // namespace
 
 BakePanel::BakePanel(QAction* start, QAction* pause, QAction* cancel, QWidget* parent)
-    : QWidget(parent), stage_(new QLabel), depths_(new QLabel), counters_(new QLabel), bar_(new QProgressBar)
+    : QWidget(parent), stage_(new QLabel), depths_(new QLabel), noise_(new QLabel), light_(new QLabel),
+      counters_(new QLabel), bar_(new QProgressBar)
 {
     auto* column = new QVBoxLayout(this);
     column->setContentsMargins(6, 6, 6, 0);
@@ -53,7 +74,7 @@ BakePanel::BakePanel(QAction* start, QAction* pause, QAction* cancel, QWidget* p
     bar_->setTextVisible(false);
     bar_->setMaximumHeight(10);
     bar_->setAccessibleName(tr("Progress of the bake"));
-    for (QLabel* label : {stage_, depths_, counters_}) {
+    for (QLabel* label : {stage_, depths_, noise_, light_, counters_}) {
         label->setWordWrap(true);
         label->setTextInteractionFlags(Qt::TextSelectableByMouse);
     }
@@ -61,7 +82,16 @@ BakePanel::BakePanel(QAction* start, QAction* pause, QAction* cancel, QWidget* p
     column->addWidget(bar_);
     column->addWidget(stage_);
     column->addWidget(depths_);
+    column->addWidget(noise_);
+    column->addWidget(light_);
     column->addWidget(counters_);
+    depths_->setToolTip(tr("Time since the bake began, and what it has cost of all threads together; what was kept "
+                           "counts with what it cost then."));
+    noise_->setToolTip(
+        tr("What the bake knows of its own error: how much another seed would change it. Blur, which all "
+           "seeds have alike, is not in it."));
+    light_->setToolTip(tr("Where the photons' light went. Missing: emitted less all the rest; more than rounding would "
+                          "be a mistake of the program."));
     clear();
 }
 
@@ -70,8 +100,7 @@ void BakePanel::clear()
     times_.clear();
     bar_->setValue(0);
     stage_->setText(tr("Nothing to bake yet."));
-    depths_->clear();
-    counters_->clear();
+    for (QLabel* label : {depths_, noise_, light_, counters_}) label->clear();
 }
 
 void BakePanel::begin()
@@ -89,18 +118,27 @@ void BakePanel::show(const Progress& progress)
     stage_->setText(line);
 }
 
-void BakePanel::show(const BakeView& view)
+void BakePanel::add(const BakeView& view)
 {
     if (!times_.isEmpty()) times_ += QStringLiteral("<br>");
-    times_ += (view.snapshot.isRough ? tr("Rough picture after %1: %2 leaves, %3 entries")
-                                     : tr("Depth %1 after %2: %3 leaves, %4 entries").arg(view.snapshot.level))
-                  .arg(seconds(view.snapshot.elapsedMs), count(view.leaves), count(view.entries));
+    times_ += (view.snapshot.isRough ? tr("Rough: %1, %2 CPU-s, %3 entries")
+                                     : tr("Depth %1: %2, %3 CPU-s, %4 entries").arg(view.snapshot.level))
+                  .arg(seconds(view.snapshot.elapsedMs))
+                  .arg(view.cpuSeconds, 0, 'f', 2)
+                  .arg(count(view.entries));
     depths_->setText(times_);
+}
+
+void BakePanel::showNoise(const BakeView& view)
+{
+    noise_->setText(view.noise ? tr("Noise: %1 % of the mean, stated by the bake").arg(100.0 * *view.noise, 0, 'f', 1)
+                               : tr("Noise: not known"));
 }
 
 void BakePanel::end(const QString& outcome, const WorkCounters& c)
 {
     stage_->setText(outcome);
+    light_->setText(audit(c.ledger));
     QString text = tr("Photons: %1 shot, %2 stored, %3 kept from before<br>Rays: %4 traced")
                        .arg(count(c.photonsShot), count(c.photonsStored), count(c.photonsReused), count(c.raysTraced));
     text += tr("<br>Lamps: %1 baked, %2 kept, %3 off").arg(c.groupsBaked).arg(c.groupsReused).arg(c.groupsOff);
@@ -109,6 +147,8 @@ void BakePanel::end(const QString& outcome, const WorkCounters& c)
     counters_->setText(text);
 }
 
+QString BakePanel::lightText() const { return light_->text(); }
+QString BakePanel::noiseText() const { return noise_->text(); }
 QString BakePanel::stageText() const { return stage_->text(); }
 double BakePanel::fraction() const { return bar_->value() / 1000.0; }
 

@@ -12,22 +12,25 @@ class QAction;
 
 namespace lightloom {
 
-/// How the bake goes: stage, progress, time left, time per depth, and what was counted. Its buttons are the window's
-/// actions.
+/// How the bake goes: stage, progress, time left, time and cost per depth, where the light went, the noise that the
+/// bake itself states, and what was counted. Its buttons are the window's actions.
 class BakePanel final : public QWidget {
     Q_OBJECT
 public:
     BakePanel(QAction* start, QAction* pause, QAction* cancel, QWidget* parent = nullptr);
     void begin();
     void show(const Progress& progress);
-    void show(const BakeView& view);
+    void add(const BakeView& view);       ///< the bake came so far
+    void showNoise(const BakeView& view); ///< of the refinement that is looked at
     void end(const QString& outcome, const WorkCounters& counters);
     void clear();
     [[nodiscard]] QString stageText() const;
     [[nodiscard]] double fraction() const;
+    [[nodiscard]] QString lightText() const; ///< empty until a bake ended
+    [[nodiscard]] QString noiseText() const;
 
 private:
-    QLabel *stage_, *depths_, *counters_;
+    QLabel *stage_, *depths_, *noise_, *light_, *counters_;
     QProgressBar* bar_;
     QString times_;
 };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "widgets/bake_view.h"
+#include "core/compare/field_noise.h"
 
 namespace lightloom {
 
@@ -7,6 +8,7 @@ BakeView withMix(BakeView view, const Mix& mix, std::uint64_t mixSerial)
 {
     view.mixSerial = mixSerial;
     view.snapshot.field = view.snapshot.field->withMix(mix);
+    view.noise = view.noisePoints ? statedNoise(*view.snapshot.field, *view.noisePoints) : std::nullopt;
     const auto octree = std::dynamic_pointer_cast<const LightOctree>(view.snapshot.field);
     if (!octree) {
         view.problem = QStringLiteral("This viewport cannot show the method %1.")

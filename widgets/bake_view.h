@@ -2,11 +2,13 @@
 #pragma once
 #include "core/bake/gpu_layout.h"
 #include "core/field/bake_control.h"
-#include "core/trace/light_sampler.h"
+#include "core/trace/light_reach.h"
 #include <QMetaType>
 #include <QString>
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <vector>
 
 namespace lightloom {
 
@@ -16,8 +18,11 @@ struct BakeView {
     std::shared_ptr<const GpuOctree> gpu; ///< null: the layout was refused, see `problem`
     QString problem;                      ///< why there is nothing to show; empty: there is
     std::uint64_t mixSerial = 0;
-    std::shared_ptr<const RayScene> rays;       ///< of the same scene, for measuring direct light
-    std::shared_ptr<const LightSampler> lights; ///< of the same scene
+    std::shared_ptr<const RayScene> rays;                         ///< of the same scene, for measuring direct light
+    std::shared_ptr<const LightSampler> lights;                   ///< of the same scene
+    std::shared_ptr<const std::vector<SurfacePoint>> noisePoints; ///< where noise is asked for; null: nowhere
+    std::optional<double> noise; ///< what the bake itself states, a fraction of the mean, under its mix
+    double cpuSeconds = 0;       ///< of all threads, until this was published; what was kept counts as it cost then
     std::uint64_t leaves = 0, entries = 0;
 };
 

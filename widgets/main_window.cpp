@@ -159,6 +159,7 @@ void MainWindow::setScene(std::shared_ptr<const DrawData> opened, const QString&
     const Scene& scene = *data_->scene;
     setWindowTitle(tr("%1 - Lightloom").arg(sceneTitle(file)));
     snapshots_->clear();
+    bakePanel_->clear();
     rowSerial_.reset();
     sceneDock_->setScene(data_->scene);
     mix_ = sceneDock_->mix();
@@ -303,7 +304,7 @@ void MainWindow::takeView(const BakeView& view)
         rowSerial_ = view.snapshot.serial;
     }
     snapshots_->add(view);
-    bakePanel_->show(view);
+    bakePanel_->add(view);
     showView(*snapshots_->shown());
     Q_EMIT lightShown(view.snapshot.isFinal);
 }
@@ -313,6 +314,8 @@ void MainWindow::showView(const BakeView& view)
     if (!view.problem.isEmpty()) messages_->show(view.problem);
     if (view.mixSerial != mixSerial_) worker_->mix(view, mix_, mixSerial_);
     if (viewport_ != nullptr) viewport_->setLight(view);
+    bakePanel_->showNoise(view);
+    statusNoise_->setText(view.noise ? tr("noise %1 %").arg(100.0 * *view.noise, 0, 'f', 1) : QString());
     const double bytes = static_cast<double>(view.gpu ? view.gpu->memoryBytes() : 0);
     statusSize_->setText(tr("d%1  %2 leaves  %3 MB")
                              .arg(view.snapshot.level)

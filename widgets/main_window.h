@@ -138,7 +138,8 @@ private:
     SnapshotBar* snapshots_ = nullptr;
     QDoubleSpinBox* exposure_ = nullptr;
     QComboBox* tone_ = nullptr;
-    QLabel *statusStage_ = nullptr, *statusLux_ = nullptr, *statusFrame_ = nullptr, *statusSize_ = nullptr;
+    QLabel *statusStage_ = nullptr, *statusLux_ = nullptr, *statusFrame_ = nullptr, *statusSize_ = nullptr,
+           *statusNoise_ = nullptr;
     QMenu *recent_ = nullptr, *cameraMenu_ = nullptr, *panels_ = nullptr;
     QAction *open_ = nullptr, *reload_ = nullptr, *quit_ = nullptr, *frame_ = nullptr, *indirect_ = nullptr,
             *brighter_ = nullptr, *darker_ = nullptr, *lightTheme_ = nullptr, *start_ = nullptr, *pause_ = nullptr,

@@ -157,12 +157,14 @@ void MainWindow::buildStatus()
 {
     statusStage_ = new QLabel;
     statusLux_ = new QLabel;
+    statusNoise_ = new QLabel;
+    statusNoise_->setToolTip(tr("Noise of the indirect light, stated by the bake itself, of the mean"));
     statusFrame_ = new QLabel;
     statusSize_ = new QLabel;
     statusFrame_->setToolTip(tr("Time of the last picture. Coarse: drawn at lower resolution while the camera moves."));
     statusStage_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred); // it gives way first
     statusBar()->addWidget(statusStage_, 1);
-    for (QLabel* label : {statusLux_, statusFrame_, statusSize_}) statusBar()->addPermanentWidget(label);
+    for (QLabel* label : {statusLux_, statusNoise_, statusFrame_, statusSize_}) statusBar()->addPermanentWidget(label);
     statusBar()->setSizeGripEnabled(false);
 }
 
