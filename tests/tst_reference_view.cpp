@@ -5,8 +5,8 @@
 #include "core/compare/reference_store.h"
 #include "core/scene/analytic_scenes.h"
 #include "tests/light_helpers.h"
+#include "tests/view_helpers.h"
 #include <QTemporaryDir>
-#include <cstring>
 #include <mutex>
 
 using namespace lightloom;
@@ -39,17 +39,6 @@ struct Room {
         return renderView(*lit.rays, *lit.lights, {}, nullptr, job, threads == 2 ? two : three, {});
     }
 };
-
-bool sameBits(const FloatImage& a, const FloatImage& b)
-{
-    return a.isSameSize(b) && std::memcmp(a.pixels.data(), b.pixels.data(), a.pixels.size() * sizeof(glm::vec3)) == 0;
-}
-
-bool sameBits(const View& a, const View& b)
-{
-    return sameBits(a.direct, b.direct) && sameBits(a.indirect, b.indirect) &&
-           sameBits(a.standardError, b.standardError) && a.rays == b.rays && a.isWhole == b.isWhole;
-}
 
 /// (a - b)^2 over the sum of their squared errors, pixel by pixel: 1 on average if the errors are true.
 RunningMean squaredZ(const View& a, const View& b)

@@ -7,6 +7,7 @@
 #include "core/compare/legend.h"
 #include "core/compare/noise_map.h"
 #include "core/compare/reference_store.h"
+#include "core/compare/view_error.h"
 #include "core/params/param_text.h"
 #include <chrono>
 #include <filesystem>
@@ -94,14 +95,6 @@ Result<Done> writePicture(const std::string& output, bool isExr, View view, bool
     return writeExr(output, image);
 }
 
-/// Root mean square of the standard errors over the mean, of luminances: what is left of noise.
-double meanError(const View& view)
-{
-    double mean = 0.0;
-    for (const double l : luminances(wholeView(view).pixels)) mean += l;
-    return relativeNoise(view.standardError.pixels, mean / static_cast<double>(view.direct.pixels.size()));
-}
-
 /// Before the picture, which takes longer.
 Result<Done> writeNoiseMap(const Context& context, const RenderCommand& command, const Lighting& lighting,
                            const Camera& camera)
@@ -174,7 +167,7 @@ int render(const Context& context, const RenderCommand& command)
         return fail({Error::Kind::cancelled, "interrupted before every pixel had a sample; nothing was written"});
     }
     const float ev = command.ev ? *command.ev : scene.exposureEv ? *scene.exposureEv : suitingEv(wholeView(view));
-    const double rays = static_cast<double>(view.rays), error = meanError(view);
+    const double rays = static_cast<double>(view.rays), error = pictureNoise(view);
     const ImageNotes notes = notesOf(*lighting, job, ev, view);
     const Result<Done> written =
         writePicture(command.output, *isExr, std::move(view), lighting->method == Method::reference, ev, notes);

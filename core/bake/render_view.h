@@ -22,7 +22,8 @@ struct ViewJob {
     int gatherRays = 256;   ///< per pixel, the same, where the field has no answer
     int pathDepth = 1024;
     std::uint64_t seed = 1;
-    bool caustics = true; ///< by paths: photons for small lamps by way of mirrors (CausticLamps)
+    bool caustics = true;   ///< by paths: photons for small lamps by way of mirrors (CausticLamps)
+    bool withDirect = true; ///< false: `View::direct` stays black, for whoever looks at the indirect light alone
 };
 
 /// Radiance towards the camera, cd/m2. `direct` and `indirect` add up to the picture.
@@ -81,6 +82,12 @@ struct ViewState {
 
 /// direct + indirect.
 [[nodiscard]] FloatImage wholeView(const View& view);
+
+/// What the surfaces in each pixel reflect evenly to all sides, per channel, 0 to 1: the mean over `job.samples` camera
+/// rays. Black where one of them meets a gloss, or all meet nothing. A pixel's radiance times pi over this is the
+/// illuminance (lux) of its surface. Empty if stopped.
+[[nodiscard]] FloatImage mattReflectance(const RayScene& rays, const ViewJob& job, Workers& workers,
+                                         const std::stop_token& stop);
 
 /// Exposure value (ISO 100) that shows the picture's log-average luminance as middle grey (.18); black pixels do not
 /// count. 0 for a black picture.

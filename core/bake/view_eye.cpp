@@ -51,19 +51,23 @@ Radiance Eye::along(glm::vec3 origin, glm::vec3 travel, Rng& rng) const
     return seen;
 }
 
-Radiance Eye::leaving(const Hit& hit, const Surface& surface, glm::vec3 n, glm::vec3 toEye, bool withEmission,
+/// `isStraight`: seen without a gloss in between, so that emission counts and what lamps send counts as direct.
+Radiance Eye::leaving(const Hit& hit, const Surface& surface, glm::vec3 n, glm::vec3 toEye, bool isStraight,
                       Rng& rng) const
 {
     Radiance light;
     const glm::vec3 p = hit.position;
-    const int e = withEmission ? lights_.emitterOf(hit.triangle) : -1;
+    const bool wantsDirect = job_.withDirect || !isStraight;
+    const int e = isStraight && wantsDirect ? lights_.emitterOf(hit.triangle) : -1;
     if (e >= 0) {
         light.emitted = surface.emission * gainOf(mix_, lights_.emitters()[static_cast<std::size_t>(e)].group);
     }
-    light.direct = light.emitted + directGlossy(rays_, lights_, mix_, surface, p, n, toEye, directSamples_, rng);
+    if (wantsDirect) {
+        light.direct = light.emitted + directGlossy(rays_, lights_, mix_, surface, p, n, toEye, directSamples_, rng);
+    }
     if (surface.diffuse == glm::vec3(0.0f)) return light;
     const glm::vec3 matt = surface.diffuse / kPi;
-    light.direct += matt * directIlluminance(rays_, lights_, mix_, p, n, directSamples_, rng);
+    if (wantsDirect) light.direct += matt * directIlluminance(rays_, lights_, mix_, p, n, directSamples_, rng);
     if (!field_ || job_.indirect != ViewJob::Indirect::field) return light;
     glm::vec3 lux(0.0f);
     if (!field_->lookup(p, n, lux)) {

@@ -26,7 +26,7 @@ public:
 private:
     [[nodiscard]] int share(int perPixel) const { return glm::max(1, (perPixel + job_.samples - 1) / job_.samples); }
     [[nodiscard]] Radiance leaving(const Hit& hit, const Surface& surface, glm::vec3 n, glm::vec3 toEye,
-                                   bool withEmission, Rng& rng) const;
+                                   bool isStraight, Rng& rng) const;
 
     const RayScene& rays_;
     const LightSampler& lights_;

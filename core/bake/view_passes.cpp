@@ -23,15 +23,20 @@ View emptyView(const ViewJob& job)
 
 } // namespace
 
-Radiance ViewPass::sample(std::size_t pixel, std::uint64_t number, int perBatch) const
+glm::vec2 placeInPixel(const ViewJob& job, std::size_t pixel, std::uint64_t number, int perBatch)
 {
     const auto each = static_cast<std::uint64_t>(perBatch);
     Rng shift(job.seed, mixBits(kViewStream ^ pixel), number / each); // one shift makes a batch one even set
+    return ShiftedPoints(perBatch, shift)[static_cast<int>(number % each)];
+}
+
+Radiance ViewPass::sample(std::size_t pixel, std::uint64_t number, int perBatch) const
+{
     Rng rng(job.seed, mixBits(kViewStream + pixel), number);
     const auto width = static_cast<std::size_t>(job.width);
     glm::vec3 origin, travel;
     lens.ray(static_cast<int>(pixel % width), static_cast<int>(pixel / width),
-             ShiftedPoints(perBatch, shift)[static_cast<int>(number % each)], origin, travel);
+             placeInPixel(job, pixel, number, perBatch), origin, travel);
     return eye.along(origin, travel, rng);
 }
 

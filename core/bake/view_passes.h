@@ -25,6 +25,9 @@ struct ViewPass {
 /// One camera ray at a time for every pixel, so that a stop leaves an even picture.
 [[nodiscard]] View evenView(const ViewPass& pass, std::vector<PixelSums>& pixels);
 
+/// Where in the pixel sample `number` looks: `perBatch` samples are one even set over it.
+[[nodiscard]] glm::vec2 placeInPixel(const ViewJob& job, std::size_t pixel, std::uint64_t number, int perBatch);
+
 /// Block after block, each until its errors meet the target.
 [[nodiscard]] View adaptiveView(const ViewPass& pass, std::vector<PixelLight>& ended);
 

@@ -37,6 +37,7 @@ public:
         return *this;
     }
     const Sha256::Digest& finish() { return digest_ = sum_.finish(); }
+    [[nodiscard]] const Sha256::Digest& digest() const { return digest_; }
     /// Entries with this key begin so.
     [[nodiscard]] std::string prefix() const
     {
@@ -249,40 +250,58 @@ KeptReference ReferenceStore::illuminance(const RayScene& rays, const LightSampl
     return std::move(kept);
 }
 
+namespace {
+
+class ViewKey : public Key {
+public:
+    ViewKey(const RayScene& rays, const Mix& mix, const ViewJob& job) : Key("view", rays, mix)
+    {
+        assert(job.indirect == ViewJob::Indirect::paths && job.withDirect);
+        const Camera& c = job.camera;
+        add(job.seed).add(job.pathDepth).add(job.directSamples).add(job.caustics);
+        add(job.width).add(job.height).add(c.position);
+        for (int i = 0; i < 4; ++i) add(c.orientation[i]);
+        add(c.yFov).add(c.nearPlane);
+        finish();
+    }
+};
+
+} // namespace
+
+ReferenceStore::FoundView ReferenceStore::findPicture(const RayScene& rays, const Mix& mix, const ViewJob& job,
+                                                      ReferenceMatch match) const
+{
+    const ViewKey key(rays, mix, job);
+    ViewSearch search(key.digest(), job, match, resume_);
+    folders_.forEntries(key.prefix(), [&](const auto& path, auto bytes) { return search.look(path, bytes); });
+    return {std::move(search.kept), std::move(search.state)};
+}
+
+fs::path ReferenceStore::keepPicture(const RayScene& rays, const Mix& mix, const ViewJob& job, const View& view,
+                                     const ViewState& state) const
+{
+    const ViewKey key(rays, mix, job);
+    ByteWriter out;
+    Head{job.samples, job.targetError}.write(out, key.digest());
+    out.put(static_cast<std::uint32_t>(view.isWhole));
+    const ViewState end = view.isWhole ? whole(view, state) : ViewState();
+    const ViewState& kept = view.isWhole ? end : state;
+    out.put(kept.pixels);
+    out.put(kept.ended);
+    out.put(kept.caustics);
+    out.put(kept.causticRounds);
+    return folders_.keep(key.name(job.samples, job.targetError), std::move(out).sealed());
+}
+
 KeptView ReferenceStore::picture(const RayScene& rays, const LightSampler& lights, const Mix& mix, const ViewJob& job,
                                  ReferenceMatch match, Workers& workers, const std::stop_token& stop,
                                  const std::function<void(double)>& progress) const
 {
-    assert(job.indirect == ViewJob::Indirect::paths);
-    const Camera& c = job.camera;
-    Key key("view", rays, mix);
-    key.add(job.seed)
-        .add(job.pathDepth)
-        .add(job.directSamples)
-        .add(job.caustics)
-        .add(job.width)
-        .add(job.height)
-        .add(c.position);
-    for (int i = 0; i < 4; ++i) key.add(c.orientation[i]);
-    key.add(c.yFov).add(c.nearPlane);
-    const Sha256::Digest& digest = key.finish();
-
-    ViewSearch search(digest, job, match, resume_);
-    folders_.forEntries(key.prefix(), [&](const auto& path, auto bytes) { return search.look(path, bytes); });
-    KeptView& kept = search.kept;
+    FoundView found = findPicture(rays, mix, job, match);
+    KeptView& kept = found.kept;
     if (kept.wasStored) return std::move(kept);
-    ViewState& state = search.state;
-    kept.result = continueView(rays, lights, mix, nullptr, job, state, workers, stop, progress);
-    if (kept.result.rays == 0) return std::move(kept);
-    if (kept.result.isWhole) state = whole(kept.result, state);
-    ByteWriter out;
-    Head{job.samples, job.targetError}.write(out, digest);
-    out.put(static_cast<std::uint32_t>(kept.result.isWhole));
-    out.put(state.pixels);
-    out.put(state.ended);
-    out.put(state.caustics);
-    out.put(state.causticRounds);
-    kept.file = folders_.keep(key.name(job.samples, job.targetError), std::move(out).sealed());
+    kept.result = continueView(rays, lights, mix, nullptr, job, found.state, workers, stop, progress);
+    if (kept.result.rays > 0) kept.file = keepPicture(rays, mix, job, kept.result, found.state);
     return std::move(kept);
 }
 

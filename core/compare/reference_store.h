@@ -47,6 +47,18 @@ public:
                                    ReferenceMatch match, Workers& workers, const std::stop_token& stop,
                                    const std::function<void(double fraction)>& progress = {}) const;
 
+    /// `picture` in its parts, for whoever traces in slices. What is kept of it: the picture if it was found whole,
+    /// else a state to go on with (empty: from nothing).
+    struct FoundView {
+        KeptView kept;
+        ViewState state;
+    };
+    [[nodiscard]] FoundView findPicture(const RayScene& rays, const Mix& mix, const ViewJob& job,
+                                        ReferenceMatch match) const;
+    /// Keeps what `state` holds of `job`, `view` being its picture: whole, or to go on with. Gives where; "": nowhere.
+    std::filesystem::path keepPicture(const RayScene& rays, const Mix& mix, const ViewJob& job, const View& view,
+                                      const ViewState& state) const;
+
     [[nodiscard]] const std::vector<std::filesystem::path>& folders() const { return folders_.list(); }
 
 private:
