@@ -28,14 +28,6 @@ using namespace lightloom::test;
 
 namespace {
 
-QAction* actionNamed(MainWindow& window, const QString& text)
-{
-    for (QAction* action : window.findChildren<QAction*>()) {
-        if (action->text().remove('&').startsWith(text)) return action;
-    }
-    return nullptr;
-}
-
 QDockWidget* dock(MainWindow& window, const char* name) { return window.findChild<QDockWidget*>(QString(name)); }
 
 /// WCAG 2.1, relative luminance and contrast.

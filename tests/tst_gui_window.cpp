@@ -34,17 +34,6 @@ namespace {
 
 const QString kCornell = sampleFile("cornell");
 
-void drag(QWidget& widget, QPoint from, QPoint to)
-{
-    QTest::mousePress(&widget, Qt::LeftButton, {}, from);
-    for (int i = 1; i <= 4; ++i) {
-        const QPointF at = QPointF(from) + QPointF(to - from) * (i / 4.0);
-        QMouseEvent move(QEvent::MouseMove, at, widget.mapToGlobal(at), Qt::LeftButton, Qt::LeftButton, {});
-        QCoreApplication::sendEvent(&widget, &move);
-    }
-    QTest::mouseRelease(&widget, Qt::LeftButton, {}, to);
-}
-
 /// Mean colour of a small patch around a point given in fractions of the picture, as linear-ish 0 to 255.
 struct Rgb {
     double r = 0, g = 0, b = 0;

@@ -2,7 +2,10 @@
 #pragma once
 #include "widgets/main_window.h"
 #include "widgets/viewport.h"
+#include <QAction>
+#include <QMouseEvent>
 #include <QSignalSpy>
+#include <QTemporaryDir>
 #include <QtTest>
 #include <memory>
 
@@ -26,6 +29,23 @@ inline BakeParams smallBake()
     return params;
 }
 
+/// A scene in a folder of its own, where what is kept beside scenes may go; the user's cache folder is in there too.
+class OwnScene {
+public:
+    explicit OwnScene(const char* name)
+        : file_(folder_.filePath(QStringLiteral("%1.glb").arg(QString::fromLatin1(name))))
+    {
+        qputenv("XDG_CACHE_HOME", path("user").toUtf8());
+        if (!QFile::copy(sampleFile(name), file_)) qFatal("%s cannot be copied", name);
+    }
+    [[nodiscard]] const QString& file() const { return file_; }
+    [[nodiscard]] QString path(const char* name) const { return folder_.filePath(QString::fromLatin1(name)); }
+
+private:
+    QTemporaryDir folder_;
+    QString file_;
+};
+
 /// A shown window with a small bake set; without `settings` it remembers nothing.
 inline std::unique_ptr<MainWindow> makeWindow(QSettings* settings = nullptr)
 {
@@ -48,6 +68,28 @@ inline bool openAndBake(MainWindow& window, const QString& file = sampleFile("co
 inline bool settle(Viewport& viewport)
 {
     return QTest::qWaitFor([&] { return viewport.isSettled(); }, kPatience);
+}
+
+/// A command by the beginning of its text; null: there is none.
+inline QAction* actionNamed(MainWindow& window, const QString& text)
+{
+    for (QAction* action : window.findChildren<QAction*>()) {
+        if (action->text().remove('&').startsWith(text)) return action;
+    }
+    return nullptr;
+}
+
+/// With the left button, in four steps.
+inline void drag(QWidget& widget, QPoint from, QPoint to)
+{
+    const QPointF start = widget.mapToGlobal(QPointF(from)), end = widget.mapToGlobal(QPointF(to));
+    QTest::mousePress(&widget, Qt::LeftButton, {}, from);
+    for (int i = 1; i <= 4; ++i) { // the widget itself may move meanwhile
+        const QPointF at = start + (end - start) * (i / 4.0);
+        QMouseEvent move(QEvent::MouseMove, widget.mapFromGlobal(at), at, Qt::LeftButton, Qt::LeftButton, {});
+        QCoreApplication::sendEvent(&widget, &move);
+    }
+    QTest::mouseRelease(&widget, Qt::LeftButton, {}, widget.mapFromGlobal(end).toPoint());
 }
 
 } // namespace lightloom::test

@@ -2,11 +2,8 @@
 #include "widgets/bake_bridge.h"
 #include "core/octree/octree_solver.h"
 #include "core/photonmap/photon_products.h"
+#include "widgets/background.h"
 #include <thread>
-#ifdef __linux__
-#include <sys/resource.h>
-#include <unistd.h>
-#endif
 
 namespace lightloom {
 
@@ -24,20 +21,12 @@ std::shared_ptr<const std::vector<SurfacePoint>> noisePointsOf(const SceneProduc
     return points;
 }
 
-/// On Linux a thread has its own nice value and hands it on to threads it starts.
-void lowerPriority()
-{
-#ifdef __linux__
-    setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), 10);
-#endif
-}
-
 } // namespace
 
 BakeBridge::BakeBridge(QObject* parent) : QObject(parent)
 {
     std::thread starter([this] { // bake threads inherit its priority; the UI thread's must stay as it is
-        lowerPriority();
+        lowerPriority(kBakeNice);
         workers_ = std::make_unique<Workers>();
         session_ = std::make_unique<BakeSession>(
             *workers_, std::make_unique<OctreeSolver>(),

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "widgets/bake_panel.h"
 #include "core/base/units.h"
-#include <QAction>
+#include "widgets/panel_parts.h"
 #include <QHBoxLayout>
 #include <QLabel>
 #include <QLocale>
 #include <QProgressBar>
-#include <QToolButton>
 #include <QVBoxLayout>
 #include <cmath>
 
@@ -57,28 +56,12 @@ QString audit(const Ledger& ledger)
 } // namespace
 
 BakePanel::BakePanel(QAction* start, QAction* pause, QAction* cancel, QWidget* parent)
-    : QWidget(parent), stage_(new QLabel), depths_(new QLabel), noise_(new QLabel), light_(new QLabel),
-      counters_(new QLabel), bar_(new QProgressBar)
+    : QWidget(parent), stage_(textLines()), depths_(textLines()), noise_(textLines()), light_(textLines()),
+      counters_(textLines()), bar_(thinProgress(tr("Progress of the bake")))
 {
     auto* column = new QVBoxLayout(this);
     column->setContentsMargins(6, 6, 6, 0);
-    auto* buttons = new QHBoxLayout;
-    for (QAction* action : {start, pause, cancel}) {
-        auto* button = new QToolButton;
-        button->setDefaultAction(action);
-        button->setToolButtonStyle(Qt::ToolButtonTextOnly);
-        button->setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Fixed);
-        buttons->addWidget(button);
-    }
-    bar_->setRange(0, 1000);
-    bar_->setTextVisible(false);
-    bar_->setMaximumHeight(10);
-    bar_->setAccessibleName(tr("Progress of the bake"));
-    for (QLabel* label : {stage_, depths_, noise_, light_, counters_}) {
-        label->setWordWrap(true);
-        label->setTextInteractionFlags(Qt::TextSelectableByMouse);
-    }
-    column->addLayout(buttons);
+    column->addLayout(actionButtons({start, pause, cancel}));
     column->addWidget(bar_);
     column->addWidget(stage_);
     column->addWidget(depths_);
@@ -112,7 +95,7 @@ void BakePanel::begin()
 
 void BakePanel::show(const Progress& progress)
 {
-    bar_->setValue(static_cast<int>(progress.fraction * 1000.0));
+    setFraction(*bar_, progress.fraction);
     QString line = tr("%1, %2 %").arg(stageWord(progress.stage)).arg(progress.fraction * 100.0, 0, 'f', 0);
     if (progress.remainingSeconds >= 0.0) line += tr(", about %1 s left").arg(progress.remainingSeconds, 0, 'f', 1);
     stage_->setText(line);
@@ -150,6 +133,6 @@ void BakePanel::end(const QString& outcome, const WorkCounters& c)
 QString BakePanel::lightText() const { return light_->text(); }
 QString BakePanel::noiseText() const { return noise_->text(); }
 QString BakePanel::stageText() const { return stage_->text(); }
-double BakePanel::fraction() const { return bar_->value() / 1000.0; }
+double BakePanel::fraction() const { return static_cast<double>(bar_->value()) / bar_->maximum(); }
 
 } // namespace lightloom

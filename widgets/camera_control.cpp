@@ -93,14 +93,31 @@ void CameraControl::setPivot(glm::vec3 pivot)
 
 glm::mat4 CameraControl::view() const { return glm::lookAt(eye_, eye_ + ahead(), glm::vec3(0.0f, 1.0f, 0.0f)); }
 
-glm::mat4 CameraControl::projection(float aspect) const
+glm::vec2 CameraControl::planes() const
 {
-    // planes as near as the scene allows: from outside a room the box decides, from inside a share of its size
+    // as near as the scene allows: from outside a room the box decides, from inside a share of its size
     const float diagonal = std::max(bounds_.diagonal(), 1e-6f);
     const float away = glm::length(glm::max(glm::max(bounds_.low - eye_, eye_ - bounds_.high), glm::vec3(0.0f)));
     const float far = away + 1.1f * diagonal;
     const float near = std::max(0.9f * away, 5e-4f * diagonal);
-    return glm::perspective(yFov_, aspect, std::min(near, 0.5f * far), far);
+    return {std::min(near, 0.5f * far), far};
+}
+
+glm::mat4 CameraControl::projection(float aspect) const
+{
+    const glm::vec2 depth = planes();
+    return glm::perspective(yFov_, aspect, depth.x, depth.y);
+}
+
+Camera CameraControl::camera() const
+{
+    Camera camera;
+    camera.name = "view";
+    camera.position = eye_;
+    camera.orientation = glm::quat_cast(glm::transpose(glm::mat3(view())));
+    camera.yFov = yFov_;
+    camera.nearPlane = planes().x;
+    return camera;
 }
 
 } // namespace lightloom

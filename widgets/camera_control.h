@@ -33,9 +33,11 @@ public:
     [[nodiscard]] float distance() const { return distance_; }
     [[nodiscard]] glm::mat4 view() const;
     [[nodiscard]] glm::mat4 projection(float aspect) const; ///< planes follow the scene's bound
+    [[nodiscard]] Camera camera() const;                    ///< the same for whoever traces rays through it
 
 private:
     void turn(glm::vec2 step);
+    [[nodiscard]] glm::vec2 planes() const; ///< near, far
 
     Bounds bounds_;
     glm::vec3 eye_{0.0f, 0.0f, 3.0f};

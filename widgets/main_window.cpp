@@ -3,6 +3,7 @@
 #include "core/params/param_text.h"
 #include "widgets/bake_bridge.h"
 #include "widgets/bake_panel.h"
+#include "widgets/compare_desk.h"
 #include "widgets/edit_command.h"
 #include "widgets/message_bar.h"
 #include "widgets/param_panel.h"
@@ -10,6 +11,7 @@
 #include "widgets/scene_loader.h"
 #include "widgets/snapshot_bar.h"
 #include "widgets/start_page.h"
+#include "widgets/sweep_panel.h"
 #include "widgets/view_worker.h"
 #include "widgets/viewport.h"
 #include <QAction>
@@ -71,6 +73,7 @@ MainWindow::MainWindow(QSettings* settings)
     buildStatus();
     buildMenus();
     connectWorkers();
+    connectCompare();
     editDelay_.setSingleShot(true);
     editDelay_.setInterval(kEditDelayMs);
     connect(&editDelay_, &QTimer::timeout, this, &MainWindow::useParams);
@@ -82,6 +85,7 @@ MainWindow::MainWindow(QSettings* settings)
 MainWindow::~MainWindow()
 {
     // workers first: what they still send finds no window then
+    delete compareDesk_;
     delete bridge_;
     delete worker_;
     delete loader_;
@@ -185,6 +189,11 @@ void MainWindow::setScene(std::shared_ptr<const DrawData> opened, const QString&
             exposure_->setValue(static_cast<double>(*scene.exposureEv));
         }
     }
+    sweepPanel_->setScene(data_->scene, file);
+    if (compareDesk_ != nullptr) {
+        compareDesk_->setScene(file);
+        compareDesk_->setMix(mix_);
+    }
     showNotes();
     rememberFile(file);
     startBake(true);
@@ -219,6 +228,7 @@ void MainWindow::startBake(bool urgent)
     BakeJob job;
     job.scene = data_->scene;
     job.params = paramPanel_->params();
+    sweepPanel_->setBase(job.params);
     // lamps that are on are baked at full: dimming is the mix's; lamps that are off cost nothing
     for (const glm::vec3& gain : mix_) job.mix.emplace_back(gain == glm::vec3(0.0f) ? 0.0f : 1.0f);
     job.roughFirst = true;
@@ -227,9 +237,17 @@ void MainWindow::startBake(bool urgent)
     jobSerial_ = bridge_->start(std::move(job), urgent);
     isBaking_ = true;
     bakePanel_->begin();
-    if (viewport_ != nullptr) viewport_->setBusy(!bridge_->isPaused());
+    tellBusy();
     pause_->setEnabled(true);
     cancel_->setEnabled(true);
+}
+
+void MainWindow::tellBusy()
+{
+    const bool isBusy = isBaking_ && !bridge_->isPaused();
+    if (viewport_ != nullptr) viewport_->setBusy(isBusy);
+    if (compareDesk_ != nullptr) compareDesk_->setBaking(isBusy);
+    sweepPanel_->setHeld(isBusy);
 }
 
 void MainWindow::setParams(const BakeParams& params)
@@ -286,6 +304,7 @@ void MainWindow::useMix()
     mix_ = sceneDock_->mix();
     bridge_->setMix(mix_, ++mixSerial_);
     if (viewport_ != nullptr) viewport_->setMix(mix_);
+    if (compareDesk_ != nullptr) compareDesk_->setMix(mix_);
     for (std::size_t g = 0; g < mix_.size(); ++g) {
         const bool wasLeftOut = isOff(bakedMix_, static_cast<int>(g)), isOn = mix_[g] != glm::vec3(0.0f);
         if (wasLeftOut && isOn) {
@@ -314,6 +333,7 @@ void MainWindow::showView(const BakeView& view)
     if (!view.problem.isEmpty()) messages_->show(view.problem);
     if (view.mixSerial != mixSerial_) worker_->mix(view, mix_, mixSerial_);
     if (viewport_ != nullptr) viewport_->setLight(view);
+    if (compareDesk_ != nullptr && view.mixSerial == mixSerial_) compareDesk_->setView(view);
     bakePanel_->showNoise(view);
     statusNoise_->setText(view.noise ? tr("noise %1 %").arg(100.0 * *view.noise, 0, 'f', 1) : QString());
     const double bytes = static_cast<double>(view.gpu ? view.gpu->memoryBytes() : 0);
@@ -331,7 +351,7 @@ void MainWindow::bakeFinished(quint64 serial, const QString& error, bool isCance
 {
     if (serial != jobSerial_) return;
     isBaking_ = false;
-    if (viewport_ != nullptr) viewport_->setBusy(false);
+    tellBusy();
     pause_->setEnabled(false);
     cancel_->setEnabled(false);
     const QString outcome = !error.isEmpty() ? tr("Failed") : isCancelled ? tr("Cancelled") : tr("Done");

@@ -24,17 +24,22 @@ namespace lightloom {
 
 class BakeBridge;
 class BakePanel;
+class CompareDesk;
+class ComparePanel;
+class LegendStrip;
 class MessageBar;
 class ParamPanel;
 class SceneDock;
 class SceneLoader;
 class SnapshotBar;
 class StartPage;
+class SweepPanel;
 class ViewWorker;
 class Viewport;
 struct LampSetting;
 struct Progress;
 struct WorkCounters;
+enum class ErrorKind;
 enum class ViewMode;
 
 /// The window: scene dock, picture, bake dock, and who tells whom. A bake starts by itself when a scene opens and
@@ -54,6 +59,10 @@ public:
     [[nodiscard]] SceneDock& sceneDock() const { return *sceneDock_; }
     [[nodiscard]] SnapshotBar& snapshots() const { return *snapshots_; }
     [[nodiscard]] BakePanel& bakePanel() const { return *bakePanel_; }
+    [[nodiscard]] CompareDesk* compareDesk() const { return compareDesk_; } ///< null without OpenGL
+    [[nodiscard]] ComparePanel& comparePanel() const { return *comparePanel_; }
+    [[nodiscard]] SweepPanel& sweepPanel() const { return *sweepPanel_; }
+    [[nodiscard]] LegendStrip& legend() const { return *legend_; }
     [[nodiscard]] MessageBar& messages() const { return *messages_; }
     [[nodiscard]] std::shared_ptr<const Scene> scene() const { return data_ ? data_->scene : nullptr; }
     [[nodiscard]] bool isBaking() const { return isBaking_; }
@@ -77,6 +86,7 @@ private:
     void setScene(std::shared_ptr<const DrawData> opened, const QString& file);
     void showNotes();
     void startBake(bool urgent);
+    void tellBusy(); ///< whether a bake runs, to those that give way to it
     void paramsEdited(const BakeParams& params);
     void useParams();
     void lampEdited(int lamp, bool isDimmed);
@@ -100,6 +110,14 @@ private:
     void showShortcuts();
     QAction* makeAction(const QString& text, const QKeySequence& keys, const QString& tip);
     void addModeAction(const QString& text, Qt::Key key, ViewMode mode, const QString& tip);
+    // main_window_compare.cpp: what the picture is held against
+    void makeCompareActions();
+    void addShownAction(const QString& text, const QKeySequence& keys, const QString& tip,
+                        std::optional<ErrorKind> kind);
+    QWidget* makeComparePanel();
+    QWidget* makeSweepPanel();
+    QWidget* makeShownButton();
+    void connectCompare();
     // main_window_memory.cpp: what it remembers
     void setTheme(Theme theme);
     void restore();
@@ -136,6 +154,10 @@ private:
     ParamPanel* paramPanel_ = nullptr;
     BakePanel* bakePanel_ = nullptr;
     SnapshotBar* snapshots_ = nullptr;
+    CompareDesk* compareDesk_ = nullptr;
+    ComparePanel* comparePanel_ = nullptr;
+    LegendStrip* legend_ = nullptr;
+    SweepPanel* sweepPanel_ = nullptr;
     QDoubleSpinBox* exposure_ = nullptr;
     QComboBox* tone_ = nullptr;
     QLabel *statusStage_ = nullptr, *statusLux_ = nullptr, *statusFrame_ = nullptr, *statusSize_ = nullptr,
@@ -144,8 +166,8 @@ private:
     QAction *open_ = nullptr, *reload_ = nullptr, *quit_ = nullptr, *frame_ = nullptr, *indirect_ = nullptr,
             *brighter_ = nullptr, *darker_ = nullptr, *lightTheme_ = nullptr, *start_ = nullptr, *pause_ = nullptr,
             *cancel_ = nullptr, *resetParams_ = nullptr, *shortcuts_ = nullptr, *about_ = nullptr, *undo_ = nullptr,
-            *redo_ = nullptr, *swapModes_ = nullptr, *lastMode_ = nullptr;
-    QActionGroup* modes_ = nullptr;
+            *redo_ = nullptr, *swapModes_ = nullptr, *lastMode_ = nullptr, *reference_ = nullptr, *wipe_ = nullptr;
+    QActionGroup *modes_ = nullptr, *shown_ = nullptr;
 };
 
 } // namespace lightloom

@@ -3,6 +3,7 @@
 #include "shaders/common.h"
 #include "widgets/bake_panel.h"
 #include "widgets/gl/gl_probe.h"
+#include "widgets/legend_strip.h"
 #include "widgets/main_window.h"
 #include "widgets/message_bar.h"
 #include "widgets/param_panel.h"
@@ -21,6 +22,7 @@
 #include <QScrollArea>
 #include <QStackedWidget>
 #include <QStatusBar>
+#include <QTabWidget>
 #include <QToolBar>
 #include <QVBoxLayout>
 
@@ -33,6 +35,7 @@ void MainWindow::buildToolbar()
     row.addActions(modes_->actions());
     row.addSeparator();
     row.addAction(indirect_);
+    row.addWidget(makeShownButton());
     auto* space = new QWidget;
     space->setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Preferred);
     row.addWidget(space);
@@ -88,8 +91,15 @@ void MainWindow::buildCentre()
         instead->setWordWrap(true);
         column->addWidget(instead, 1);
     }
+    legend_ = new LegendStrip;
+    legend_->hide();
     snapshots_ = new SnapshotBar;
-    column->addWidget(snapshots_);
+    legend_->setFixedHeight(snapshots_->height());
+    // side by side: a legend that took height would change the picture's size, and so end the reference it is for
+    auto* below = new QHBoxLayout;
+    below->addWidget(snapshots_, 2);
+    below->addWidget(legend_, 3);
+    column->addLayout(below);
     startPage_ = new StartPage;
     connect(startPage_, &StartPage::openWanted, this, &MainWindow::chooseFile);
     connect(startPage_, &StartPage::sceneWanted, this, &MainWindow::openScene);
@@ -114,6 +124,22 @@ void MainWindow::buildCentre()
     viewport_->addAction(swapModes_);
 }
 
+namespace {
+
+/// Panels that are higher than a small screen; as narrow as their longest words allow.
+QScrollArea* scrolled(QWidget* inside)
+{
+    auto* area = new QScrollArea;
+    area->setWidgetResizable(true);
+    area->setFrameShape(QFrame::NoFrame);
+    area->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+    area->setWidget(inside);
+    area->setMinimumWidth(area->fontMetrics().horizontalAdvance(QStringLiteral("Largest gather radius and then some")));
+    return area;
+}
+
+} // namespace
+
 void MainWindow::buildDocks()
 {
     const auto addDock = [this](const QString& title, const char* name, QWidget* inside, Qt::DockWidgetArea area) {
@@ -123,6 +149,7 @@ void MainWindow::buildDocks()
         dock->setWidget(inside);
         addDockWidget(area, dock);
         dock->hide(); // there is nothing in them before a scene is open
+        return dock;
     };
     sceneDock_ = new SceneDock;
     addDock(tr("Scene"), "sceneDock", sceneDock_, Qt::LeftDockWidgetArea);
@@ -133,20 +160,20 @@ void MainWindow::buildDocks()
     column->setContentsMargins(0, 0, 0, 0);
     column->addWidget(bakePanel_);
     column->addWidget(paramPanel_, 1);
-    auto* area = new QScrollArea;
-    area->setWidgetResizable(true);
-    area->setFrameShape(QFrame::NoFrame);
-    area->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-    area->setWidget(inside);
-    area->setMinimumWidth(fontMetrics().horizontalAdvance(QStringLiteral("Largest gather radius and then some")));
-    addDock(tr("Bake"), "bakeDock", area, Qt::RightDockWidgetArea);
+    setTabPosition(Qt::RightDockWidgetArea, QTabWidget::North);
+    QDockWidget* bake = addDock(tr("Bake"), "bakeDock", scrolled(inside), Qt::RightDockWidgetArea);
+    QDockWidget* compare = addDock(tr("Compare"), "compareDock", scrolled(makeComparePanel()), Qt::RightDockWidgetArea);
+    QDockWidget* measure = addDock(tr("Measure"), "measureDock", scrolled(makeSweepPanel()), Qt::RightDockWidgetArea);
+    tabifyDockWidget(bake, compare);
+    tabifyDockWidget(compare, measure);
 }
 
 void MainWindow::showDocks()
 {
     auto* left = findChild<QDockWidget*>(QStringLiteral("sceneDock"));
     auto* right = findChild<QDockWidget*>(QStringLiteral("bakeDock"));
-    for (QDockWidget* dock : {left, right}) dock->show();
+    for (QDockWidget* dock : findChildren<QDockWidget*>()) dock->show();
+    right->raise();
     panels_->setEnabled(true);
     if (!docks_.isEmpty() && restoreState(docks_)) return;
     const int wanted = paramPanel_->sizeHint().width() + 24;

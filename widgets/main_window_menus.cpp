@@ -2,6 +2,7 @@
 // How the window is put together: actions, menus, docks, bars. What they do stands in main_window.cpp.
 #include "widgets/bake_bridge.h"
 #include "widgets/bake_panel.h"
+#include "widgets/compare_desk.h"
 #include "widgets/main_window.h"
 #include "widgets/start_page.h"
 #include "widgets/viewport.h"
@@ -41,6 +42,7 @@ void MainWindow::addModeAction(const QString& text, Qt::Key key, ViewMode mode, 
     });
     connect(action, &QAction::triggered, this, [this, mode] {
         if (viewport_ != nullptr) viewport_->setMode(mode);
+        if (compareDesk_ != nullptr) compareDesk_->modeChanged();
     });
 }
 
@@ -57,8 +59,10 @@ void MainWindow::makeActions()
     redo_->setStatusTip(tr("Make the edit again that was taken back"));
     quit_ = makeAction(tr("&Quit"), QKeySequence::Quit, tr("Close the window"));
     modes_ = new QActionGroup(this);
-    // 2 to 4 are kept for methods that are not here yet
+    // 2 and 3 are kept for methods that are not here yet
     addModeAction(tr("&Octree"), Qt::Key_1, ViewMode::octree, tr("Direct light and the baked indirect light"));
+    addModeAction(tr("&Reference"), Qt::Key_4, ViewMode::reference,
+                  tr("The path-traced picture, as far as it has come; the octree until then"));
     addModeAction(tr("&Direct"), Qt::Key_5, ViewMode::direct, tr("Light that comes straight from the lamps (preview)"));
     addModeAction(tr("&Plain"), Qt::Key_6, ViewMode::plain, tr("Form without light"));
     swapModes_ = makeAction(tr("S&wap views"), QKeySequence(Qt::Key_Tab), tr("Back to the view before this one"));
@@ -79,6 +83,7 @@ void MainWindow::makeActions()
         makeAction(tr("&Keys and mouse"), QKeySequence::HelpContents, tr("List every key and what the mouse does"));
     about_ = makeAction(tr("&About Lightloom"), {}, tr("Version and licence"));
     for (QAction* action : {reload_, start_, pause_, cancel_}) action->setEnabled(false);
+    makeCompareActions();
     connectActions();
 }
 
@@ -100,7 +105,7 @@ void MainWindow::connectActions()
     connect(start_, &QAction::triggered, this, [this] { startBake(false); });
     connect(pause_, &QAction::toggled, this, [this](bool on) {
         bridge_->setPaused(on);
-        if (viewport_ != nullptr) viewport_->setBusy(isBaking_ && !on);
+        tellBusy();
         pause_->setIconText(on ? tr("Go on") : tr("Pause"));
         statusStage_->setText(on ? tr("Paused") : bakePanel_->stageText());
     });
@@ -138,6 +143,7 @@ void MainWindow::buildMenus()
     QMenu* view = menuBar()->addMenu(tr("&View"));
     view->addActions(modes_->actions());
     view->addActions({swapModes_, indirect_});
+    view->addMenu(tr("&Show"))->addActions(shown_->actions());
     view->addSeparator();
     view->addAction(frame_);
     cameraMenu_ = view->addMenu(tr("&Cameras"));
@@ -151,6 +157,8 @@ void MainWindow::buildMenus()
     panels_->setEnabled(false);
     QMenu* bake = menuBar()->addMenu(tr("&Bake"));
     bake->addActions({start_, pause_, cancel_});
+    QMenu* compare = menuBar()->addMenu(tr("&Compare"));
+    compare->addActions({reference_, wipe_});
     QMenu* help = menuBar()->addMenu(tr("&Help"));
     help->addActions({shortcuts_, about_});
     fillRecent();
@@ -172,6 +180,7 @@ void MainWindow::showShortcuts()
     add(tr("Wheel"), tr("Zoom to the cursor"));
     add(tr("Right drag, W A S D, Q E"), tr("Look around and walk; Shift runs"));
     add(tr("Double click"), tr("Set the pivot"));
+    add(tr("Arrow keys, Home, End"), tr("Move the wipe while its handle has the focus; Shift moves it finer"));
     auto* box = new QMessageBox(QMessageBox::NoIcon, tr("Keys and mouse"),
                                 QStringLiteral("<table>%1</table>").arg(rows), QMessageBox::Close, this);
     box->setAttribute(Qt::WA_DeleteOnClose);

@@ -3,6 +3,7 @@
 #include <QOpenGLContext>
 #include <QOpenGLVersionFunctionsFactory>
 #include <cmath>
+#include <utility>
 
 namespace lightloom {
 
@@ -55,7 +56,8 @@ void Viewport::initializeGL()
         return;
     }
     renderer_ = std::move(*made);
-    sceneIsNew_ = octreeIsNew_ = mixIsNew_ = true; // what was set before there was a context
+    sceneIsNew_ = octreeIsNew_ = mixIsNew_ = referenceIsNew_ = errorsAreNew_ =
+        true; // what was set before there was a context
 }
 
 void Viewport::releaseGl()
@@ -72,6 +74,8 @@ void Viewport::setScene(std::shared_ptr<const DrawData> drawn, bool keepCamera)
     const glm::dvec3 moved = keepCamera ? data_->scene->origin - drawn->scene->origin : glm::dvec3(0.0);
     data_ = std::move(drawn);
     octree_.reset();
+    reference_.reset();
+    errors_.reset();
     mix_.clear();
     sceneIsNew_ = mixIsNew_ = true;
     octreeIsNew_ = false; // the renderer drops the old one with the scene
@@ -93,6 +97,7 @@ void Viewport::setScene(std::shared_ptr<const DrawData> drawn, bool keepCamera)
     }
     pacer_.forget();
     news();
+    Q_EMIT viewMoved();
 }
 
 void Viewport::setLight(const BakeView& view)
@@ -120,13 +125,14 @@ void Viewport::setMix(const Mix& mix)
 
 void Viewport::setMode(ViewMode mode)
 {
-    frame_.mode = mode;
+    mode_ = mode;
     changed();
 }
 
 void Viewport::setIndirectOnly(bool only)
 {
     frame_.indirectOnly = only;
+    referenceIsNew_ = true; // of it too
     changed();
 }
 
@@ -154,6 +160,7 @@ void Viewport::useCamera(const Camera& camera)
     if (!data_) return;
     camera_.setFrom(camera, data_->scene->bounds);
     changed();
+    Q_EMIT viewMoved();
 }
 
 void Viewport::frameScene()
@@ -161,15 +168,20 @@ void Viewport::frameScene()
     if (!data_) return;
     camera_.frame(data_->scene->bounds, aspect());
     changed();
+    Q_EMIT viewMoved();
 }
 
 bool Viewport::isSettled() const
 {
     const bool isDrawn = !isMoving_ && scale_ == 1.0f && shadowsReady_ && sample_ >= kSamples;
-    return isDrawn && !sceneIsNew_ && !octreeIsNew_ && !mixIsNew_;
+    return isDrawn && !sceneIsNew_ && !octreeIsNew_ && !mixIsNew_ && !presentOnly_;
 }
 
-void Viewport::moved() { coarseFor(kRestMs); }
+void Viewport::moved()
+{
+    coarseFor(kRestMs);
+    Q_EMIT viewMoved();
+}
 
 void Viewport::changed()
 {
@@ -217,6 +229,7 @@ void Viewport::applyPending()
     if (outcome && octreeIsNew_) outcome = renderer_->setOctree(octree_);
     if (mixIsNew_ || sceneIsNew_) renderer_->setMix(mix_);
     sceneIsNew_ = octreeIsNew_ = mixIsNew_ = false;
+    uploadComparison();
     if (!outcome) Q_EMIT problem(QString::fromStdString(outcome.error().message));
 }
 
@@ -226,21 +239,24 @@ void Viewport::paintGL()
     QElapsedTimer all;
     all.start();
     applyPending();
+    const glm::ivec2 window = pixels();
+    // exposed again after being covered, say: nothing new is to be added
+    const bool isRepaint = std::exchange(presentOnly_, false) ? sample_ > 0 : isSettled();
+    if (isRepaint) {
+        renderer_->present(frameNow(), sample_, defaultFramebufferObject(), window);
+        if (!isSettled() && !isMoving_ && !more_.isActive()) more_.start(pacer_.pauseMs());
+        return;
+    }
     const bool before = shadowsReady_;
     // at rest as long as a picture takes: each slice of them is followed by one
     shadowsReady_ = renderer_->drawShadows(isMoving_ ? 0.5 * kShadowMs : std::max(kShadowMs, frameMs_));
     if (!before) sample_ = 0; // lit differently than the pictures averaged so far
-    const float ratio = static_cast<float>(devicePixelRatioF());
-    const glm::ivec2 window = glm::max(glm::ivec2(glm::vec2(width(), height()) * ratio + 0.5f), glm::ivec2(1));
     const bool isPassing = !shadowsReady_ && pacer_.showsNewsCoarse(); // the next slice will replace it
     scale_ = isMoving_ || isPassing ? pacer_.coarseScale() : 1.0f;
-    frame_.eye = camera_.eye();
-    frame_.view = camera_.view();
-    frame_.projection = camera_.projection(aspect());
     QElapsedTimer clock;
     clock.start();
     const Result<Done> drawn =
-        renderer_->draw(frame_, std::min(sample_, kSamples - 1), glm::ivec2(glm::vec2(window) * scale_),
+        renderer_->draw(frameNow(), std::min(sample_, kSamples - 1), glm::ivec2(glm::vec2(window) * scale_),
                         defaultFramebufferObject(), window);
     renderer_->finish();
     if (!drawn) {
@@ -254,7 +270,7 @@ void Viewport::frameDone(double frameMs, double allMs)
 {
     frameMs_ = frameMs;
     pacer_.drew(scale_, isMoving_ || scale_ < 1.0f, frameMs, allMs);
-    if (needsMetering_ && octree_ && frame_.mode == ViewMode::octree) meter();
+    if (needsMetering_ && octree_ && mode_ == ViewMode::octree && overlay() == Overlay::none) meter();
     ++sample_;
     Q_EMIT frameDrawn(frameMs_, !isMoving_ && scale_ == 1.0f);
     if (!data_) return;

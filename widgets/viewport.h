@@ -31,6 +31,14 @@ public:
     void setBusy(bool busy); ///< a bake wants the processor
     void setMix(const Mix& mix);
     void setMode(ViewMode mode);
+    /// The path-traced picture of what the camera sees now, shown in reference mode and by the wipe. Null: none (yet);
+    /// the octree is shown meanwhile.
+    void setReference(std::shared_ptr<const View> picture);
+    /// How far the light shown is off it. Null: not known (yet).
+    void setErrors(std::shared_ptr<const ViewError> errors);
+    void setErrorsShown(bool shown); ///< in place of light, as false colour
+    /// Part of the width, from the left, that reference or errors take; nothing: all of it.
+    void setWipe(std::optional<float> part);
     void setIndirectOnly(bool only);
     void setExposure(float ev);
     void setTone(int tone);
@@ -39,7 +47,11 @@ public:
     void frameScene();
 
     [[nodiscard]] const CameraControl& camera() const { return camera_; }
-    [[nodiscard]] ViewMode mode() const { return frame_.mode; }
+    [[nodiscard]] ViewMode mode() const { return mode_; }
+    [[nodiscard]] bool isEmpty() const { return !data_; }
+    [[nodiscard]] bool showsErrors() const { return errorsShown_; }
+    [[nodiscard]] std::optional<float> wipe() const { return wipe_; }
+    [[nodiscard]] glm::ivec2 pixels() const;                  ///< of the picture at full resolution
     [[nodiscard]] double frameMs() const { return frameMs_; } ///< of the last picture, until the GPU was done
     /// Nothing more will change by itself: full resolution, all shadow maps, smooth edges.
     [[nodiscard]] bool isSettled() const;
@@ -51,6 +63,7 @@ public:
 Q_SIGNALS:
     void frameDrawn(double ms, bool isFull);
     void settled();
+    void viewMoved(); ///< camera or size are others: what was computed for the view before does not fit any more
     void hovered(bool isOnSurface, glm::vec3 position, glm::vec3 normal);
     void exposureMetered(float ev); ///< once for a scene that names no exposure
     void problem(QString message);
@@ -78,6 +91,11 @@ private:
     void coarseFor(int ms);                       ///< coarse pictures until nothing else has come for as long
     void drawAnew();                              ///< from the first sample
     void frameDone(double frameMs, double allMs); ///< what a picture sets going
+    [[nodiscard]] Overlay overlay() const;        ///< that there is something to show for
+    [[nodiscard]] FrameView frameNow() const;     ///< `frame_` with camera, mode and overlay
+    void uploadComparison();
+    void overlayChanged(Overlay before); ///< what is laid over the picture, or that it is
+    void present();                      ///< the same picture again, with what is laid over it as it is now
     void walkStep();
     void hover();
     void meter();
@@ -92,6 +110,11 @@ private:
     Gl* gl_ = nullptr;
     std::shared_ptr<const DrawData> data_;
     std::shared_ptr<const GpuOctree> octree_;
+    std::shared_ptr<const View> reference_;
+    std::shared_ptr<const ViewError> errors_;
+    ViewMode mode_ = ViewMode::octree;
+    bool errorsShown_ = false, referenceIsNew_ = false, errorsAreNew_ = false, presentOnly_ = false;
+    std::optional<float> wipe_;
     Mix mix_;
     bool sceneIsNew_ = false, octreeIsNew_ = false, mixIsNew_ = false, needsMetering_ = false;
     bool isMoving_ = false, shadowsReady_ = false, toldSettled_ = false;

@@ -55,51 +55,21 @@ std::string escaped(const std::string& text)
 
 /// One axis: value to pixel.
 struct Scale {
-    double low = 1, high = 10, from = 0, to = 1; ///< pixels of both ends
-    std::vector<Tick> ticks;
-    [[nodiscard]] double at(double value) const
-    {
-        return from + (to - from) * std::log(value / low) / std::log(high / low);
-    }
+    LogScale scale;
+    double from = 0, to = 1; ///< pixels of both ends
+    [[nodiscard]] double at(double value) const { return from + (to - from) * scale.partOf(value); }
 };
 
-bool canShow(const PlotPoint& p) { return p.x > 0 && p.y > 0 && std::isfinite(p.x) && std::isfinite(p.y); }
-
-Scale scaleOver(const LogPlot& plot, double PlotPoint::*coordinate, double from, double to)
+const char* shapeOf(std::size_t series, std::size_t count)
 {
-    double low = 0, high = 0;
-    for (const PlotSeries& series : plot.series) {
-        for (const PlotPoint& p : series.points) {
-            if (!canShow(p)) continue;
-            low = low == 0 ? p.*coordinate : std::min(low, p.*coordinate);
-            high = std::max(high, p.*coordinate);
-        }
-    }
-    if (low == 0) low = 1, high = 10;
-    low *= 0.94, high *= 1.06; // no point on the frame
-    std::vector<Tick> ticks = logTicks(low, high);
-    return {low, high, from, to, std::move(ticks)};
-}
-
-struct Style {
-    std::string colour;
-    const char* shape;
-};
-
-Style styleOf(std::size_t series, std::size_t count)
-{
-    if (count <= kColours.size()) return {kColours[series], kShapes[series]};
-    // the palest tenth of the map would vanish on white
-    const glm::vec3 c = falseColour(0.85f * static_cast<float>(series) / static_cast<float>(count - 1));
-    const auto byte = [](float v) { return static_cast<int>(std::lround(255.0f * encodeSrgb(v))); };
-    return {fmt::format("#{:02X}{:02X}{:02X}", byte(c.x), byte(c.y), byte(c.z)), kShapes[0]};
+    return count <= kShapes.size() ? kShapes[series] : kShapes[0];
 }
 
 class SvgWriter {
 public:
     explicit SvgWriter(const LogPlot& plot)
-        : plot_(plot), x_(scaleOver(plot, &PlotPoint::x, kLeft, kRight)),
-          y_(scaleOver(plot, &PlotPoint::y, kBottom, kTop))
+        : plot_(plot), x_{logScale(plot, &PlotPoint::x), kLeft, kRight}, y_{logScale(plot, &PlotPoint::y), kBottom,
+                                                                            kTop}
     {
     }
 
@@ -135,13 +105,13 @@ private:
 
     void axes()
     {
-        for (const Tick& t : x_.ticks) {
+        for (const Tick& t : x_.scale.ticks) {
             const double x = x_.at(t.value);
             add(R"svg(<line class="x-tick" data-value="{}" x1="{:.3f}" x2="{:.3f}" y1="{}" y2="{}" stroke="{}"/>)svg",
                 t.value, x, x, kTop, t.label.empty() ? kBottom : kBottom + 5, t.label.empty() ? "#EFEFEF" : "#D0D0D0");
             if (!t.label.empty()) text(x, kBottom + 20, t.label, R"svg(text-anchor="middle")svg");
         }
-        for (const Tick& t : y_.ticks) {
+        for (const Tick& t : y_.scale.ticks) {
             const double y = y_.at(t.value);
             add(R"svg(<line class="y-tick" data-value="{}" x1="{}" x2="{}" y1="{:.3f}" y2="{:.3f}" stroke="{}"/>)svg",
                 t.value, t.label.empty() ? kLeft : kLeft - 5, kRight, y, y, t.label.empty() ? "#EFEFEF" : "#D0D0D0");
@@ -157,7 +127,7 @@ private:
 
     void line()
     {
-        if (!(plot_.yLine >= y_.low && plot_.yLine <= y_.high)) return;
+        if (!(plot_.yLine >= y_.scale.low && plot_.yLine <= y_.scale.high)) return;
         const double y = y_.at(plot_.yLine);
         add(R"svg(<line x1="{}" x2="{}" y1="{:.2f}" y2="{:.2f}" stroke="#777777" stroke-dasharray="5 4"/>)svg", kLeft,
             kRight, y, y);
@@ -183,7 +153,7 @@ private:
     void drawSeries(std::size_t s)
     {
         const PlotSeries& series = plot_.series[s];
-        const Style style = styleOf(s, plot_.series.size());
+        const std::string colour = plotColour(s, plot_.series.size());
         std::string path;
         for (const PlotPoint& p : series.points) {
             if (canShow(p))
@@ -191,13 +161,14 @@ private:
                     fmt::format("{}{:.3f},{:.3f}", path.empty() || p.startsLine ? "M" : "L", x_.at(p.x), y_.at(p.y));
         }
         add(R"svg(<path d="{}" fill="none" stroke="{}" stroke-opacity="0.6"/>)svg", path.empty() ? "M0,0" : path,
-            style.colour);
+            colour);
         for (const PlotPoint& p : series.points) {
             if (!canShow(p)) continue;
             add(R"svg(<g class="point{}" data-x="{}" data-y="{}" transform="translate({:.3f},{:.3f})"><title>{}</title>)svg",
                 p.mark.empty() ? "" : " marked", p.x, p.y, x_.at(p.x), y_.at(p.y), escaped(p.tip));
             if (!p.mark.empty()) add(R"svg(<circle r="9" fill="none" stroke="{}" stroke-width="1.4"/>)svg", kInk);
-            add(R"svg(<path d="{}" fill="{}" stroke="#FFFFFF" stroke-width="0.7"/></g>)svg", style.shape, style.colour);
+            add(R"svg(<path d="{}" fill="{}" stroke="#FFFFFF" stroke-width="0.7"/></g>)svg",
+                shapeOf(s, plot_.series.size()), colour);
         }
     }
 
@@ -215,10 +186,9 @@ private:
         text(kLegendLeft, y, plot_.legendTitle, R"svg(font-weight="bold")svg");
         const std::size_t count = plot_.series.size(), step = std::max<std::size_t>(1, (count + 11) / 12);
         for (std::size_t s = 0; s < count; s += step) { // a long list thins out
-            const Style style = styleOf(s, count);
             y += 19;
-            add(R"svg(<path transform="translate({},{})" d="{}" fill="{}"/>)svg", kLegendLeft + 6, y - 4, style.shape,
-                style.colour);
+            add(R"svg(<path transform="translate({},{})" d="{}" fill="{}"/>)svg", kLegendLeft + 6, y - 4,
+                shapeOf(s, count), plotColour(s, count));
             text(kLegendLeft + 20, y, plot_.series[s].name);
         }
         if (marked_.empty()) return;
@@ -266,6 +236,35 @@ std::vector<Tick> logTicks(double& low, double& high)
     low = from, high = to;
     std::erase_if(ticks, [&](const Tick& t) { return t.value < low * 0.9999 || t.value > high * 1.0001; });
     return ticks;
+}
+
+bool canShow(const PlotPoint& p) { return p.x > 0 && p.y > 0 && std::isfinite(p.x) && std::isfinite(p.y); }
+
+double LogScale::partOf(double value) const { return std::log(value / low) / std::log(high / low); }
+
+LogScale logScale(const LogPlot& plot, double PlotPoint::*coordinate)
+{
+    double low = 0, high = 0;
+    for (const PlotSeries& series : plot.series) {
+        for (const PlotPoint& p : series.points) {
+            if (!canShow(p)) continue;
+            low = low == 0 ? p.*coordinate : std::min(low, p.*coordinate);
+            high = std::max(high, p.*coordinate);
+        }
+    }
+    if (low == 0) low = 1, high = 10;
+    low *= 0.94, high *= 1.06; // no point on the frame
+    std::vector<Tick> ticks = logTicks(low, high);
+    return {low, high, std::move(ticks)};
+}
+
+std::string plotColour(std::size_t series, std::size_t count)
+{
+    if (count <= kColours.size()) return kColours[series];
+    // the palest tenth of the map would vanish on white
+    const glm::vec3 c = falseColour(0.85f * static_cast<float>(series) / static_cast<float>(count - 1));
+    const auto byte = [](float v) { return static_cast<int>(std::lround(255.0f * encodeSrgb(v))); };
+    return fmt::format("#{:02X}{:02X}{:02X}", byte(c.x), byte(c.y), byte(c.z));
 }
 
 std::string svgPlot(const LogPlot& plot) { return SvgWriter(plot).write(); }

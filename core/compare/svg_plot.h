@@ -20,6 +20,7 @@ struct PlotPoint {
     std::string tip;         ///< shown by viewers when the mouse rests on it
     std::string mark;        ///< not empty: ringed, joined to the other marked ones, numbered in the legend with this
     bool startsLine = false; ///< not joined to the point before it
+    std::size_t source = 0;  ///< number of what it stands for, to whoever made the plot
 };
 
 struct PlotSeries {
@@ -36,6 +37,20 @@ struct LogPlot {
     std::string yLineLabel;
     double yScale = 1; ///< printed numbers of y are values times this: 100 for per cent
 };
+
+/// Whether a logarithm can show the point.
+[[nodiscard]] bool canShow(const PlotPoint& point);
+
+/// One axis: a range of labelled ticks that holds all points.
+struct LogScale {
+    double low = 1, high = 10;
+    std::vector<Tick> ticks;
+    [[nodiscard]] double partOf(double value) const; ///< 0 at `low`, 1 at `high`
+};
+[[nodiscard]] LogScale logScale(const LogPlot& plot, double PlotPoint::*coordinate);
+
+/// "#RRGGBB" of series number `series` of `count`, on white. Black is among the first seven.
+[[nodiscard]] std::string plotColour(std::size_t series, std::size_t count);
 
 /// The plot as an SVG file of 1000 x 600: axes with ticks and labels, legend, every point with `data-x`, `data-y` and a
 /// tooltip. Up to eight series take colours that the colour-blind tell apart, and shapes; more take a sequential map.

@@ -92,6 +92,7 @@ LogPlot sweepPlot(const std::vector<SweepRow>& rows, Method method, const std::s
         if (isNew) plot.series.push_back({name, {}});
         PlotPoint point{row.cpuSeconds(), row.error.relRmse, axesText(axes, row.params), "", false};
         if (isFront[i]) point.mark = valuesText(axes, row.params);
+        point.source = i;
         point.startsLine = isNew || !isOnOneLine(axes, *last, row.params);
         plot.series.back().points.push_back(std::move(point));
         last = &row.params;

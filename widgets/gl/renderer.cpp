@@ -47,6 +47,9 @@ Result<Done> Renderer::linkPrograms()
     Result<std::unique_ptr<ModeVdl>> vdl = ModeVdl::make(gl_, shaders);
     if (!vdl) return vdl.error();
     vdl_ = std::move(*vdl);
+    Result<OverlayPass> overlay = OverlayPass::make(gl_, shaders);
+    if (!overlay) return overlay.error();
+    overlay_.emplace(std::move(*overlay));
     return Done{};
 }
 
@@ -157,6 +160,13 @@ Result<Done> Renderer::draw(const FrameView& frame, int sample, glm::ivec2 size,
     drawSurfaces(frame, shiftOf(sample));
     drawLight(frame);
     addToSum(sample == 0);
+    present(frame, sample + 1, target, window);
+    return Done{};
+}
+
+void Renderer::present(const FrameView& frame, int samples, GLuint target, glm::ivec2 window)
+{
+    if (!buffers_) return;
     const bool plain = frame.mode == ViewMode::plain;
     gl_.glBindFramebuffer(GL_FRAMEBUFFER, target);
     gl_.glViewport(0, 0, window.x, window.y);
@@ -165,15 +175,15 @@ Result<Done> Renderer::draw(const FrameView& frame, int sample, glm::ivec2 size,
     gl_.glBindVertexArray(empty_.id());
     postProgram_.use();
     postProgram_.setTexture("picture", 0, GL_TEXTURE_2D, buffers_->sum.id());
-    postProgram_.set("samples", static_cast<float>(sample + 1));
+    postProgram_.set("samples", static_cast<float>(samples));
     postProgram_.set("scale", plain ? 1.0f : shader::exposureScale(frame.exposureEv));
     postProgram_.set("tone", plain ? shader::kToneNone : frame.tone);
     postProgram_.set("background", frame.background);
     drawFullscreen(gl_);
+    overlay_->draw(frame, *buffers_, samples, window);
     gl_.glBindVertexArray(0);
     gl_.glUseProgram(0);
     gl_.glActiveTexture(GL_TEXTURE0);
-    return Done{};
 }
 
 } // namespace lightloom

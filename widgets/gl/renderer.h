@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "widgets/gl/mode_vdl.h"
+#include "widgets/gl/overlay_pass.h"
 #include "widgets/gl/scene_buffers.h"
 #include "widgets/gl/shadow_maps.h"
 #include <optional>
@@ -9,10 +10,14 @@ namespace lightloom {
 
 /// What the viewport shows of the scene.
 enum class ViewMode {
-    octree, ///< direct light of the lamps and indirect light of the bake
-    direct, ///< direct light only
-    plain   ///< form without light: base colour times the cosine towards the camera
+    octree,   ///< direct light of the lamps and indirect light of the bake
+    direct,   ///< direct light only
+    plain,    ///< form without light: base colour times the cosine towards the camera
+    reference ///< the path-traced picture; the viewport lays it over one of the others
 };
+
+/// What is laid over it.
+enum class Overlay { none, picture, errors };
 
 struct FrameView {
     glm::mat4 view{1.0f}, projection{1.0f};
@@ -22,6 +27,8 @@ struct FrameView {
     float exposureEv = 10.0f;   ///< at ISO 100
     int tone = 1;               ///< kToneNone, kToneSoft
     glm::vec3 background{0.2f}; ///< as shown, not linear
+    Overlay overlay = Overlay::none;
+    float wipe = 1.0f; ///< part of the width, from the left, that the overlay covers
 };
 
 /// Draws a scene with its light. All calls with the context current; keeps no widget and no thread.
@@ -34,11 +41,14 @@ public:
     Result<Done> setScene(std::shared_ptr<const DrawData> data);
     Result<Done> setOctree(const std::shared_ptr<const GpuOctree>& octree);
     void setMix(const Mix& mix);
+    [[nodiscard]] OverlayPass& overlay() { return *overlay_; }
 
     /// Draws picture number `sample` (0 begins anew) of those that are averaged, at `size` pixels, and shows the mean
     /// stretched over `window` pixels of framebuffer `target`. Samples after the first are taken through pixels shifted
     /// by less than half, so that edges smooth while the picture rests. Error: the driver refuses the buffers.
     Result<Done> draw(const FrameView& frame, int sample, glm::ivec2 size, GLuint target, glm::ivec2 window);
+    /// Shows again what `draw` has summed up over `samples` pictures, under another exposure or wipe.
+    void present(const FrameView& frame, int samples, GLuint target, glm::ivec2 window);
     void finish() { gl_.glFinish(); } ///< waits for the GPU, to measure
     /// Undrawn shadow maps for about `budgetMs`. True when all are there.
     bool drawShadows(double budgetMs);
@@ -74,6 +84,7 @@ private:
     Gl& gl_;
     GlProgram surfaceProgram_, shadowProgram_, directProgram_, plainProgram_, postProgram_, copyProgram_;
     std::unique_ptr<ModeVdl> vdl_;
+    std::optional<OverlayPass> overlay_;
     ShadowMaps shadows_;
     GlVertexArray empty_;
     std::optional<SceneBuffers> scene_;

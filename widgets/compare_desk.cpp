@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "widgets/compare_desk.h"
+#include "core/base/memory_use.h"
+#include "widgets/compare_panel.h"
+#include "widgets/legend_strip.h"
+#include "widgets/viewport.h"
+#include "widgets/wipe_handle.h"
+#include <QAction>
+#include <QSignalBlocker>
+
+namespace lightloom {
+
+namespace {
+
+constexpr int kAskDelayMs = 400;         ///< without a change until a reference is begun
+constexpr double kBytesPerPixel = 700.0; ///< sums, layers, discs of photons
+constexpr double kShareOfMemory = 0.5;   ///< of the machine's; the bake and the window need some, too
+
+QString captionOf(const ViewError& error)
+{
+    switch (error.kind) {
+    case ErrorKind::absolute:
+        return QObject::tr("|Error| of the indirect illuminance");
+    case ErrorKind::difference:
+        return QObject::tr("Error of the indirect light, of its mean: blue too dark, red too bright");
+    case ErrorKind::relative:
+        break;
+    }
+    return QObject::tr("|Error| of the indirect light, of its mean");
+}
+
+} // namespace
+
+CompareDesk::CompareDesk(const Parts& parts, QObject* parent) : QObject(parent), parts_(parts)
+{
+    delay_.setSingleShot(true);
+    delay_.setInterval(kAskDelayMs);
+    connect(&delay_, &QTimer::timeout, this, &CompareDesk::ask);
+    connect(&worker_, &CompareWorker::shown, this, qOverload<const ReferencePicture&>(&CompareDesk::take),
+            Qt::QueuedConnection);
+    connect(&worker_, &CompareWorker::judged, this, qOverload<const ErrorPicture&>(&CompareDesk::take),
+            Qt::QueuedConnection);
+    connect(parts_.viewport, &Viewport::viewMoved, this, &CompareDesk::viewChanged);
+    connect(parts_.panel, &ComparePanel::qualityEdited, this, &CompareDesk::viewChanged);
+    connect(parts_.reference, &QAction::toggled, this, &CompareDesk::turn);
+    connect(parts_.wipe, &QAction::toggled, this, [this](bool on) {
+        parts_.viewport->setWipe(on ? std::optional(parts_.handle->part()) : std::nullopt);
+        parts_.handle->setVisible(on);
+        parts_.handle->raise();
+        if (!on) return;
+        parts_.handle->setFocus(); // so that the arrow keys move it
+        wantReference();
+    });
+    connect(parts_.handle, &WipeHandle::moved, this, [this](float part) {
+        if (parts_.wipe->isChecked()) parts_.viewport->setWipe(part);
+    });
+    tellNames();
+}
+
+void CompareDesk::setScene(const QString& file)
+{
+    file_ = file;
+    view_ = {};
+    worker_.judge({}, shown_.value_or(ErrorKind::relative));
+    viewChanged();
+}
+
+void CompareDesk::setMix(const Mix& mix)
+{
+    if (mix == mix_) return;
+    mix_ = mix;
+    viewChanged();
+}
+
+void CompareDesk::setView(const BakeView& view)
+{
+    const bool isFirst = !view_.rays;
+    view_ = view;
+    worker_.judge(view, shown_.value_or(ErrorKind::relative));
+    if (isFirst && parts_.reference->isChecked()) delay_.start();
+    tellNames();
+}
+
+void CompareDesk::setBaking(bool isBaking)
+{
+    isBaking_ = isBaking;
+    worker_.setHeld(isBaking);
+    tellState();
+}
+
+void CompareDesk::showErrors(std::optional<ErrorKind> kind)
+{
+    shown_ = kind;
+    parts_.viewport->setErrorsShown(kind.has_value());
+    if (kind && error_ && error_->kind != *kind) { // a map of another kind would pass for this one
+        error_.reset();
+        parts_.viewport->setErrors(nullptr);
+    }
+    if (kind) {
+        worker_.judge(view_, *kind);
+        wantReference();
+    }
+    tellLegend();
+    tellNames();
+}
+
+void CompareDesk::modeChanged()
+{
+    if (parts_.viewport->mode() == ViewMode::reference) wantReference();
+    tellLegend();
+    tellNames();
+}
+
+void CompareDesk::wantReference()
+{
+    if (!picture_) parts_.reference->setChecked(true);
+}
+
+/// What was computed is of another view: it goes at once, and a new one is asked for when things rest.
+void CompareDesk::viewChanged()
+{
+    serial_ = 0;
+    problem_.clear();
+    picture_.reset();
+    error_.reset();
+    parts_.viewport->setReference(nullptr);
+    parts_.viewport->setErrors(nullptr);
+    parts_.panel->forgetErrors();
+    worker_.cancel();
+    if (parts_.reference->isChecked()) delay_.start();
+    tellState();
+    tellNames();
+}
+
+void CompareDesk::turn(bool on)
+{
+    if (on) {
+        ask();
+    } else {
+        delay_.stop();
+        serial_ = 0; // what is there stays until the view changes
+        worker_.cancel();
+    }
+    tellState();
+}
+
+void CompareDesk::ask()
+{
+    if (!view_.rays || !view_.lights || parts_.viewport->isEmpty()) return; // a first light will ask
+    CompareQuestion question{view_.rays, view_.lights, mix_, {}, std::filesystem::path(file_.toStdString())};
+    ViewJob& job = question.job;
+    const glm::ivec2 size = glm::max(parts_.viewport->pixels() / parts_.panel->shrink(), glm::ivec2(1));
+    const double bytes = kBytesPerPixel * size.x * size.y;
+    problem_ =
+        bytes <= kShareOfMemory * machineMemoryBytes()
+            ? QString()
+            : tr("A reference of this size needs %1 GiB; choose a smaller one").arg(bytes / (1 << 30), 0, 'f', 1);
+    if (!problem_.isEmpty()) return tellState();
+    job.camera = parts_.viewport->camera().camera();
+    job.width = size.x;
+    job.height = size.y;
+    job.indirect = ViewJob::Indirect::paths;
+    job.samples = parts_.panel->samples();
+    serial_ = worker_.ask(std::move(question));
+    tellState();
+}
+
+void CompareDesk::tellState()
+{
+    if (!parts_.reference->isChecked()) {
+        parts_.panel->showState(picture_ ? tr("Stopped; the picture stays until the view changes") : tr("Off"));
+    } else if (!problem_.isEmpty()) {
+        parts_.panel->showState(problem_);
+    } else if (isBaking_) {
+        parts_.panel->showState(tr("Waits for the bake"));
+    } else if (picture_) {
+        parts_.panel->show(*picture_);
+    } else {
+        parts_.panel->showState(tr("Begins when the view rests"));
+    }
+    tellLegend();
+}
+
+void CompareDesk::tellLegend()
+{
+    const bool isReference = parts_.viewport->mode() == ViewMode::reference;
+    parts_.legend->setVisible(shown_ || isReference);
+    if (shown_ && error_) {
+        parts_.legend->show(error_, captionOf(*error_));
+    } else if (shown_ || !picture_) {
+        parts_.legend->show(nullptr, tr("Light of the bake meanwhile. Reference: %1").arg(parts_.panel->stateText()));
+    } else {
+        parts_.legend->show(nullptr, tr("Reference: %1").arg(parts_.panel->stateText()));
+    }
+}
+
+void CompareDesk::take(const ReferencePicture& picture)
+{
+    if (picture.serial != serial_) return;
+    picture_ = picture;
+    parts_.viewport->setReference(picture.view);
+    tellState();
+    tellNames();
+    Q_EMIT referenceShown();
+}
+
+void CompareDesk::take(const ErrorPicture& picture)
+{
+    if (picture.serial != serial_ || (picture.error && shown_ && picture.error->kind != *shown_)) return;
+    error_ = picture.error;
+    parts_.viewport->setErrors(error_);
+    parts_.panel->show(picture);
+    tellLegend();
+    Q_EMIT errorsShown();
+}
+
+void CompareDesk::tellNames()
+{
+    QString left = shown_ ? tr("Error") : tr("Reference");
+    if (!picture_) {
+        left += tr(": not yet");
+    } else if (!shown_ && picture_->noise >= 0.0) {
+        left += tr(", noise %1 %").arg(100.0 * picture_->noise, 0, 'f', 1);
+    }
+    QString right = tr("Octree, depth %1").arg(view_.snapshot.level);
+    if (parts_.viewport->mode() == ViewMode::direct) right = tr("Direct light");
+    if (parts_.viewport->mode() == ViewMode::plain) right = tr("Plain");
+    parts_.handle->setNames(left, right);
+}
+
+} // namespace lightloom

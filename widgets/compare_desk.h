@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "widgets/compare_worker.h"
+#include <QTimer>
+#include <optional>
+
+class QAction;
+
+namespace lightloom {
+
+class ComparePanel;
+class LegendStrip;
+class Viewport;
+class WipeHandle;
+
+/// Holds the picture against the truth: asks for a reference of what the camera sees, asks again when camera, size or
+/// lamps are others, and brings picture, errors and figures to where they are shown. A bake comes first.
+class CompareDesk final : public QObject {
+    Q_OBJECT
+public:
+    struct Parts {
+        Viewport* viewport;
+        ComparePanel* panel;
+        WipeHandle* handle;
+        LegendStrip* legend;
+        QAction *reference, *wipe; ///< both checkable: on and off
+    };
+    CompareDesk(const Parts& parts, QObject* parent);
+
+    void setScene(const QString& file); ///< forgets what was of another one
+    void setMix(const Mix& mix);
+    /// The light that is shown; its mix must be the one of `setMix`.
+    void setView(const BakeView& view);
+    void setBaking(bool isBaking); ///< and not paused
+    /// What is shown in place of light; nothing: light.
+    void showErrors(std::optional<ErrorKind> kind);
+    void modeChanged(); ///< the viewport's
+
+    [[nodiscard]] const std::optional<ReferencePicture>& reference() const { return picture_; } ///< of this view
+    [[nodiscard]] const std::shared_ptr<const ViewError>& errors() const { return error_; }     ///< likewise
+
+Q_SIGNALS:
+    void referenceShown();
+    void errorsShown();
+
+private:
+    void viewChanged();
+    void ask();
+    void turn(bool on);
+    void wantReference(); ///< something that is shown needs one
+    void take(const ReferencePicture& picture);
+    void take(const ErrorPicture& picture);
+    void tellNames();
+    void tellState();
+    void tellLegend();
+
+    Parts parts_;
+    CompareWorker worker_;
+    QTimer delay_;
+    QString file_;
+    Mix mix_;
+    BakeView view_;
+    std::optional<ErrorKind> shown_;
+    QString problem_;          ///< why no reference can be traced; empty: it can
+    std::uint64_t serial_ = 0; ///< of the question that fits what is seen; 0: none was asked
+    std::optional<ReferencePicture> picture_;
+    std::shared_ptr<const ViewError> error_;
+    bool isBaking_ = false;
+};
+
+} // namespace lightloom

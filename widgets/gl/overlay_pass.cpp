@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "widgets/gl/overlay_pass.h"
+#include "shaders/common.h"
+#include "widgets/gl/renderer.h"
+#include <cmath>
+
+namespace lightloom {
+
+Result<OverlayPass> OverlayPass::make(Gl& gl, const ShaderLibrary& shaders)
+{
+    Result<GlProgram> picture = shaders.link(gl, "fullscreen.vert", "pass_reference.frag");
+    if (!picture) return picture.error();
+    Result<GlProgram> errors = shaders.link(gl, "fullscreen.vert", "pass_heatmap.frag");
+    if (!errors) return errors.error();
+    return OverlayPass(gl, std::move(*picture), std::move(*errors));
+}
+
+void OverlayPass::setPicture(const FloatImage& radiance)
+{
+    picture_.reset();
+    if (radiance.pixels.empty()) return;
+    picture_ =
+        makeTexture2D(*gl_, GL_RGB32F, {radiance.width, radiance.height}, GL_RGB, GL_FLOAT, radiance.pixels.data());
+}
+
+void OverlayPass::setErrors(const ViewError& error)
+{
+    errors_.reset();
+    if (error.map.values.empty()) return;
+    errors_ =
+        makeTexture2D(*gl_, GL_R32F, {error.map.width, error.map.height}, GL_RED, GL_FLOAT, error.map.values.data());
+    top_ = error.top;
+    isSigned_ = error.kind == ErrorKind::difference;
+}
+
+void OverlayPass::draw(const FrameView& frame, const GBuffer& buffers, int samples, glm::ivec2 window) const
+{
+    const bool isErrors = frame.overlay == Overlay::errors;
+    const GlTexture& texture = isErrors ? errors_ : picture_;
+    if (frame.overlay == Overlay::none || !texture) return;
+    gl_->glEnable(GL_SCISSOR_TEST);
+    gl_->glScissor(0, 0, static_cast<int>(std::lround(frame.wipe * static_cast<float>(window.x))), window.y);
+    const GlProgram& program = isErrors ? errorProgram_ : pictureProgram_;
+    program.use();
+    if (isErrors) {
+        program.setTexture("errors", 0, GL_TEXTURE_2D, texture.id());
+        program.set("top", top_);
+        program.set("isSigned", isSigned_ ? 1 : 0);
+    } else {
+        program.setTexture("picture", 0, GL_TEXTURE_2D, texture.id());
+        program.setTexture("covered", 1, GL_TEXTURE_2D, buffers.sum.id());
+        program.set("samples", static_cast<float>(samples));
+        program.set("scale", shader::exposureScale(frame.exposureEv));
+        program.set("tone", frame.tone);
+        program.set("background", frame.background);
+    }
+    drawFullscreen(*gl_);
+    gl_->glDisable(GL_SCISSOR_TEST);
+}
+
+} // namespace lightloom

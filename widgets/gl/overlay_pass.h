@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "core/base/image.h"
+#include "core/compare/view_error.h"
+#include "widgets/gl/gbuffer.h"
+#include "widgets/gl/shader_library.h"
+
+namespace lightloom {
+
+struct FrameView;
+
+/// Draws over the finished picture, or over its left part, what was computed elsewhere for the same view: a reference
+/// picture, or errors in false colour. The context is current in all calls.
+class OverlayPass {
+public:
+    [[nodiscard]] static Result<OverlayPass> make(Gl& gl, const ShaderLibrary& shaders);
+
+    void setPicture(const FloatImage& radiance); ///< uploads at once; without pixels: none
+    void setErrors(const ViewError& error);
+
+    /// On the left `frame.wipe` of the target of `window` pixels, which is bound. `buffers` holds the frame's own sum
+    /// over `samples` pictures. An empty vertex array is bound. Draws nothing where `frame.overlay` has no texture.
+    void draw(const FrameView& frame, const GBuffer& buffers, int samples, glm::ivec2 window) const;
+
+private:
+    OverlayPass(Gl& gl, GlProgram picture, GlProgram errors)
+        : gl_(&gl), pictureProgram_(std::move(picture)), errorProgram_(std::move(errors))
+    {
+    }
+    Gl* gl_;
+    GlProgram pictureProgram_, errorProgram_;
+    GlTexture picture_, errors_;
+    float top_ = 1.0f;
+    bool isSigned_ = false;
+};
+
+} // namespace lightloom

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "widgets/legend_strip.h"
+#include "core/base/image.h"
+#include "core/compare/legend.h"
+#include <QPainter>
+#include <algorithm>
+
+namespace lightloom {
+
+namespace {
+
+constexpr int kMargin = 10, kBarHeight = 12, kTick = 4, kTicks = 5, kGap = 14;
+
+QColor shownColour(glm::vec3 linear)
+{
+    return QColor::fromRgbF(encodeSrgb(linear.x), encodeSrgb(linear.y), encodeSrgb(linear.z));
+}
+
+} // namespace
+
+LegendStrip::LegendStrip(QWidget* parent) : QWidget(parent)
+{
+    setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Fixed);
+    setAccessibleName(tr("Legend of the error"));
+}
+
+void LegendStrip::show(std::shared_ptr<const ViewError> error, const QString& caption)
+{
+    error_ = std::move(error);
+    caption_ = caption;
+    setAccessibleDescription(caption + QStringLiteral(": ") + ticks().join(QStringLiteral(", ")));
+    update();
+}
+
+float LegendStrip::valueAt(float part) const
+{
+    return error_->top * (error_->kind == ErrorKind::difference ? 2.0f * part - 1.0f : part);
+}
+
+QStringList LegendStrip::ticks() const
+{
+    QStringList texts;
+    if (!error_) return texts;
+    const LegendUnit unit = error_->kind == ErrorKind::absolute ? LegendUnit::lux : LegendUnit::percent;
+    for (int i = 0; i < kTicks; ++i) {
+        const float value = valueAt(static_cast<float>(i) / (kTicks - 1));
+        texts += QString::fromStdString(legendText(value, unit, error_->kind == ErrorKind::difference));
+    }
+    return texts;
+}
+
+void LegendStrip::paintEvent(QPaintEvent*)
+{
+    QPainter painter(this);
+    const QFontMetrics metrics = fontMetrics();
+    const QStringList texts = ticks();
+    if (texts.isEmpty()) {
+        painter.drawText(rect().adjusted(kMargin, 0, -kMargin, 0), Qt::AlignVCenter | Qt::AlignLeft,
+                         metrics.elidedText(caption_, Qt::ElideRight, width() - 2 * kMargin));
+        return;
+    }
+    // ends are centred on by their numbers
+    const int left = kMargin + metrics.horizontalAdvance(texts.first()) / 2;
+    const int most = (width() - left) / 2, length = std::min(360, most - kMargin), top = 5;
+    for (int x = 0; x <= length; ++x) {
+        const float value = valueAt(static_cast<float>(x) / static_cast<float>(length));
+        painter.fillRect(left + x, top, 1, kBarHeight, shownColour(errorColour(error_->kind, value, error_->top)));
+    }
+    const int numbers = top + kBarHeight + kTick;
+    int free = 0; // a narrow window drops the numbers that would run into each other
+    for (int i = 0; i < kTicks; ++i) {
+        const int x = left + length * i / (kTicks - 1), half = metrics.horizontalAdvance(texts[i]) / 2;
+        painter.fillRect(x, top + kBarHeight, 1, kTick, palette().color(QPalette::WindowText));
+        if (x - half < free) continue;
+        painter.drawText(x - half, numbers + metrics.ascent(), texts[i]);
+        free = x + half + 6;
+    }
+    const int from = left + length + metrics.horizontalAdvance(texts.last()) / 2 + kGap;
+    painter.drawText(QRect(from, 0, width() - from - kMargin, height()), Qt::AlignVCenter | Qt::TextWordWrap, caption_);
+}
+
+} // namespace lightloom

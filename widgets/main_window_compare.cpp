@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the window holds its picture against: commands and places of the reference, the errors and the wipe. What they
+// do stands in compare_desk.cpp.
+#include "core/compare/false_colour.h"
+#include "widgets/compare_desk.h"
+#include "widgets/compare_panel.h"
+#include "widgets/legend_strip.h"
+#include "widgets/main_window.h"
+#include "widgets/sweep_panel.h"
+#include "widgets/viewport.h"
+#include "widgets/wipe_handle.h"
+#include <QAction>
+#include <QActionGroup>
+#include <QMenu>
+#include <QToolButton>
+
+namespace lightloom {
+
+void MainWindow::addShownAction(const QString& text, const QKeySequence& keys, const QString& tip,
+                                std::optional<ErrorKind> kind)
+{
+    QAction* action = makeAction(text, keys, tip);
+    action->setCheckable(true);
+    action->setChecked(!kind);
+    shown_->addAction(action);
+    connect(action, &QAction::triggered, this, [this, kind] {
+        if (compareDesk_ != nullptr) compareDesk_->showErrors(kind);
+    });
+}
+
+void MainWindow::makeCompareActions()
+{
+    shown_ = new QActionGroup(this);
+    addShownAction(tr("&Light"), Qt::CTRL | Qt::Key_1, tr("Show light"), {});
+    addShownAction(tr("&Error, %"), Qt::CTRL | Qt::Key_2,
+                   tr("Show how far the indirect light is off the reference, in per cent of its mean"),
+                   ErrorKind::relative);
+    addShownAction(tr("Error, l&ux"), Qt::CTRL | Qt::Key_3,
+                   tr("Show how far the indirect illuminance is off the reference, in lux"), ErrorKind::absolute);
+    addShownAction(tr("&Signed error"), Qt::CTRL | Qt::Key_4, tr("Show what is too dark and what too bright"),
+                   ErrorKind::difference);
+    reference_ = makeAction(tr("&Trace reference"), QKeySequence(Qt::Key_R),
+                            tr("Trace a picture of this view by paths, whenever no bake runs; again to stop"));
+    reference_->setCheckable(true);
+    wipe_ = makeAction(tr("&Wipe"), QKeySequence(Qt::Key_C),
+                       tr("Reference on the left, bake on the right of an edge that can be moved"));
+    wipe_->setCheckable(true);
+}
+
+QWidget* MainWindow::makeComparePanel()
+{
+    comparePanel_ = new ComparePanel(reference_, wipe_);
+    return comparePanel_;
+}
+
+QWidget* MainWindow::makeSweepPanel()
+{
+    sweepPanel_ = new SweepPanel;
+    connect(sweepPanel_, &SweepPanel::chosen, this, &MainWindow::setParams);
+    return sweepPanel_;
+}
+
+QWidget* MainWindow::makeShownButton()
+{
+    auto* button = new QToolButton;
+    auto* menu = new QMenu(button);
+    menu->addActions(shown_->actions());
+    button->setMenu(menu);
+    button->setPopupMode(QToolButton::InstantPopup);
+    button->setText(shown_->checkedAction()->iconText());
+    button->setToolTip(tr("What the picture shows: light, or how far it is off the reference"));
+    button->setAccessibleName(tr("Shown"));
+    connect(shown_, &QActionGroup::triggered, button, [button](QAction* a) { button->setText(a->iconText()); });
+    return button;
+}
+
+void MainWindow::connectCompare()
+{
+    if (viewport_ == nullptr) {
+        for (QAction* action : shown_->actions()) action->setEnabled(false);
+        reference_->setEnabled(false);
+        wipe_->setEnabled(false);
+        return;
+    }
+    auto* handle = new WipeHandle(viewport_);
+    compareDesk_ = new CompareDesk({viewport_, comparePanel_, handle, legend_, reference_, wipe_}, this);
+}
+
+} // namespace lightloom

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "widgets/sweep_worker.h"
+#include <QElapsedTimer>
+#include <QWidget>
+#include <array>
+#include <vector>
+
+class QComboBox;
+class QLabel;
+class QLineEdit;
+class QProgressBar;
+class QPushButton;
+class QSpinBox;
+class QDoubleSpinBox;
+class QTableWidget;
+
+namespace lightloom {
+
+class TradePlot;
+
+/// The dock of measuring: bakes over values of one or two parameters, what each costs and how far off it is. A click on
+/// a bake takes its parameters.
+class SweepPanel final : public QWidget {
+    Q_OBJECT
+public:
+    explicit SweepPanel(QWidget* parent = nullptr);
+    /// Of the sweeps to come; rows of another scene go.
+    void setScene(std::shared_ptr<const Scene> scene, const QString& file);
+    void setBase(const BakeParams& params); ///< values of what is not varied
+    void setHeld(bool held);                ///< a bake comes first
+
+    [[nodiscard]] const std::vector<SweepRow>& rows() const { return rows_; } ///< in the order they are shown
+    [[nodiscard]] bool isRunning() const { return isRunning_; }
+    [[nodiscard]] QString stateText() const;
+    [[nodiscard]] TradePlot& plot() const { return *plot_; }
+
+Q_SIGNALS:
+    void chosen(lightloom::BakeParams params);
+    void ended();
+
+private:
+    struct AxisEdit {
+        QComboBox* param;
+        QLineEdit* values;
+    };
+    AxisEdit makeAxis(int number, const char* first);
+    void build();
+    [[nodiscard]] Result<SweepPlan> plan() const;
+    void tellPlan(); ///< how many bakes, or what is wrong
+    void run();
+    void take(const SweepProgress& progress);
+    void takeRow(quint64 serial, const SweepRow& row);
+    void end(quint64 serial, const QString& error, bool isCancelled);
+    void choose(std::size_t row);
+    void showRows();
+    void save(bool asPlot);
+    void write(const QString& file, bool asPlot);
+    [[nodiscard]] QString sceneName() const;
+
+    SweepWorker worker_;
+    std::shared_ptr<const Scene> scene_;
+    QString file_;
+    BakeParams base_;
+    std::vector<SweepRow> rows_;
+    std::vector<std::string> wanted_; ///< values of the axes, in order
+    std::vector<SweepAxis> axes_;     ///< of the sweep that runs or ran
+    std::uint64_t serial_ = 0;
+    bool isRunning_ = false, isHeld_ = false;
+    QElapsedTimer told_;
+
+    std::array<AxisEdit, 2> edits_{};
+    QSpinBox* points_;
+    QDoubleSpinBox* noise_;
+    QPushButton *run_, *cancel_, *saveTable_, *savePlot_;
+    QProgressBar* bar_;
+    QLabel* state_;
+    TradePlot* plot_;
+    QTableWidget* table_;
+};
+
+} // namespace lightloom

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the viewport lays over the picture: the reference, errors in false colour.
+#include "widgets/viewport.h"
+
+namespace lightloom {
+
+void Viewport::setReference(std::shared_ptr<const View> picture)
+{
+    if (picture == reference_) return;
+    const Overlay before = overlay();
+    reference_ = std::move(picture);
+    referenceIsNew_ = true;
+    overlayChanged(before);
+}
+
+void Viewport::setErrors(std::shared_ptr<const ViewError> errors)
+{
+    if (errors == errors_) return;
+    const Overlay before = overlay();
+    errors_ = std::move(errors);
+    errorsAreNew_ = true;
+    overlayChanged(before);
+}
+
+void Viewport::overlayChanged(Overlay before)
+{
+    if (overlay() != before) {
+        news(); // other things show now
+    } else if (before != Overlay::none) {
+        present();
+    }
+}
+
+void Viewport::present()
+{
+    presentOnly_ = sample_ > 0;
+    update();
+}
+
+void Viewport::setErrorsShown(bool shown)
+{
+    errorsShown_ = shown;
+    changed();
+}
+
+void Viewport::setWipe(std::optional<float> part)
+{
+    if (part == wipe_) return;
+    const bool isMove = part && wipe_; // only the edge does, and what is summed up under it stays
+    wipe_ = part;
+    if (isMove) {
+        present();
+    } else {
+        changed();
+    }
+}
+
+Overlay Viewport::overlay() const
+{
+    if (errorsShown_) return errors_ ? Overlay::errors : Overlay::none;
+    const bool isWanted = mode_ == ViewMode::reference || wipe_;
+    return isWanted && reference_ ? Overlay::picture : Overlay::none;
+}
+
+FrameView Viewport::frameNow() const
+{
+    FrameView frame = frame_;
+    frame.eye = camera_.eye();
+    frame.view = camera_.view();
+    frame.projection = camera_.projection(aspect());
+    frame.overlay = overlay();
+    frame.wipe = wipe_.value_or(1.0f);
+    frame.mode = mode_ == ViewMode::reference ? ViewMode::octree : mode_;
+    // covered all over: only where there are surfaces is still asked, and that is quickest so
+    if (frame.overlay != Overlay::none && !wipe_) frame.mode = ViewMode::plain;
+    return frame;
+}
+
+void Viewport::uploadComparison()
+{
+    if (referenceIsNew_) {
+        renderer_->overlay().setPicture(!reference_           ? FloatImage()
+                                        : frame_.indirectOnly ? reference_->indirect
+                                                              : wholeView(*reference_));
+    }
+    if (errorsAreNew_) renderer_->overlay().setErrors(errors_ ? *errors_ : ViewError());
+    referenceIsNew_ = errorsAreNew_ = false;
+}
+
+glm::ivec2 Viewport::pixels() const
+{
+    const float ratio = static_cast<float>(devicePixelRatioF());
+    return glm::max(glm::ivec2(glm::vec2(width(), height()) * ratio + 0.5f), glm::ivec2(1));
+}
+
+} // namespace lightloom
