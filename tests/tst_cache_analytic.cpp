@@ -211,6 +211,16 @@ private Q_SLOTS:
         }
     }
 
+    void fewPhotonsAreNoBrighter() // the Kth photon lies on the rim: (K-1)/K, half too bright without at K = 3
+    {
+        const auto scene = share(furnaceBox(0.5f));
+        BakeParams params = accurate();
+        params.gatherCount = 3;
+        const double mean = meanOver(*bake(method(), scene, params), *scene);
+        qInfo("mean by three photons a point: %.4f", mean);
+        QVERIFY2(std::abs(mean - 1.0) <= 0.08, qPrintable(QString::number(mean))); // 5 sigma of 4000 points
+    }
+
     void parallelPlates() // A9: each plate gets what the other sends; the rim takes 1e-4 of each bounce
     {
         const double r1 = 0.5, r2 = 0.8, low = 1.0 / (1.0 - r1 * r2);
