@@ -115,7 +115,7 @@ private Q_SLOTS:
 
     void samplersFollowTheirDensities()
     {
-        RunningMean cosine, sphere, cone, triangle;
+        RunningMean cosine, sphere, cone, triangle, disc;
         const float cosMax = std::cos(0.4f);
         for (std::uint64_t i = 0; i < 200'000; ++i) {
             Rng rng(3, 1, i);
@@ -124,10 +124,12 @@ private Q_SLOTS:
             sphere.add(std::pow(sampleSphere(u1, u2).x, 2.0)); // 1/3
             cone.add(sampleCone(u1, u2, cosMax).z);            // (1 + cosMax) / 2
             triangle.add(sampleTriangle(u1, u2).x);            // 1/3
+            disc.add(std::pow(sampleDisc(u1, u2).x, 2.0));     // 1/4
+            QVERIFY(std::abs(glm::length(sampleCosineHemisphere(u1, u2)) - 1.0f) <= 1e-5f);
         }
         const auto z = [](const RunningMean& m, double truth) { return (m.mean() - truth) / m.standardError(); };
-        for (const double score :
-             {z(cosine, 2.0 / 3.0), z(sphere, 1.0 / 3.0), z(cone, (1.0 + cosMax) / 2.0), z(triangle, 1.0 / 3.0)}) {
+        for (const double score : {z(disc, 0.25), z(cosine, 2.0 / 3.0), z(sphere, 1.0 / 3.0),
+                                   z(cone, (1.0 + cosMax) / 2.0), z(triangle, 1.0 / 3.0)}) {
             QVERIFY2(std::abs(score) <= 4.9, qPrintable(QString::number(score)));
         }
     }

@@ -4,6 +4,7 @@
 #include "core/scene/analytic_scenes.h"
 #include "core/scene/scene_builder.h"
 #include "core/trace/material.h"
+#include "core/trace/photon_tracer.h"
 #include "tests/light_helpers.h"
 #include <limits>
 
@@ -349,6 +350,48 @@ private Q_SLOTS:
             }
         }
         QVERIFY(seen > 5000);
+    }
+
+    void backsOfPanelsAreDark() // unless their material is two-sided
+    {
+        SceneBuilder builder("panels");
+        Material both;
+        both.metallic = 0.0f;
+        both.emission = glm::vec3(10);
+        both.doubleSided = true;
+        builder.add("One", quadMesh({0, 0, 0}, {1, 0, 0}, {0, 1, 0}), builder.addEmitter("one", glm::vec3(10)));
+        builder.add("Two", quadMesh({5, 0, 0}, {1, 0, 0}, {0, 1, 0}), builder.addMaterial(both));
+        const LitScene lit(builder.finish());
+        for (int e = 0; e < 2; ++e) {
+            for (const float z : {2.0f, -2.0f}) {
+                const glm::vec3 p(0.3f + 5.0f * float(e), 0.4f, z);
+                LightSample s;
+                Hit hit;
+                const bool shines = e == 1 || z > 0.0f;
+                QCOMPARE(lit.lights->sample(e, p, {0.3f, 0.6f}, s), shines);
+                if (shines) QCOMPARE(s.radiance, glm::vec3(10));
+                QVERIFY(lit.rays->intersect(p, {0, 0, z > 0.0f ? -1.0f : 1.0f}, kFar, hit));
+                QCOMPARE(lit.lights->pdf(p, hit) > 0.0f, shines);
+            }
+        }
+    }
+
+    void lampsDoNotShareRandomNumbers() // or their noise would add up
+    {
+        SceneBuilder builder("twins");
+        builder.add("Box", boxMesh(glm::vec3(-1), glm::vec3(1), Facing::in),
+                    builder.addMaterial("grey", glm::vec3(0.5f)));
+        builder.addPoint("A", glm::vec3(0), glm::vec3(1));
+        builder.addPoint("B", glm::vec3(0), glm::vec3(1));
+        const LitScene lit(builder.finish());
+        Workers workers(2);
+        const auto a = tracePhotons(*lit.rays, *lit.lights, {0, 1, 1000, 64}, workers, {}),
+                   b = tracePhotons(*lit.rays, *lit.lights, {1, 1, 1000, 64}, workers, {});
+        QVERIFY(a->photons.size() > 500 && b->photons.size() > 500);
+        std::size_t alike = 0;
+        for (std::size_t i = 0; i < std::min(a->photons.size(), b->photons.size()); ++i)
+            alike += a->photons[i].position == b->photons[i].position ? 1 : 0;
+        QCOMPARE(alike, std::size_t(0));
     }
 
     void densityIntegratesToOne_data()

@@ -146,6 +146,23 @@ private Q_SLOTS:
         }
     }
 
+    void onlyWhatFacesTheSameWayAnswers() // within 72 degrees; nothing does from behind
+    {
+        BakeParams params;
+        params.photonCount = 20'000;
+        params.octreeDepth = params.octreeFirstDepth = 4;
+        const Baked baked = bake(share(cavityCube(0.5f)), params);
+        for (const float x : {-0.7f, 0.1f, 0.6f}) {
+            for (const auto& [degrees, answers] :
+                 {std::pair(0.0f, true), {60.0f, true}, {80.0f, false}, {180.0f, false}}) {
+                const float t = glm::radians(degrees);
+                glm::vec3 lux(0.0f);
+                QCOMPARE(baked.octree->lookup({x, -2.0f, 0.3f}, {std::sin(t), std::cos(t), 0.0f}, lux), answers);
+                QCOMPARE(lux.x > 0.0f, answers);
+            }
+        }
+    }
+
     void groupsAddUp()
     {
         SceneBuilder two("two lamps");
