@@ -73,6 +73,14 @@ private Q_SLOTS:
         QVERIFY(isNear(m->max, 2.0 / 2.5));
         QVERIFY(isNear(m->p95, 2.0 / 2.5)); // rank ceil(3.8) = 4 of 4
         QVERIFY(isNear(m->perPoint, std::sqrt((1.0 + 0.25 + 0.0 + 0.25) / 4.0)));
+        QVERIFY(isNear(measureError(reference, values)->bias, -0.5 / 3.0)); // too dark is below 0
+    }
+
+    void luminanceIsThatOfRec709()
+    {
+        const std::vector<glm::vec3> primaries{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+        const std::vector<double> found = luminances(primaries), expected{0.2126, 0.7152, 0.0722};
+        for (std::size_t i = 0; i < 3; ++i) QVERIFY(std::abs(found[i] - expected[i]) <= 1e-7);
     }
 
     void percentileIsTheNearestRank()
