@@ -136,6 +136,9 @@ private Q_SLOTS:
         Texture t = nearest();
         t.smooth = true;
         QVERIFY(std::abs(sampleTexture(scene, t, {0.5f, 0.5f}, true).x - 0.5f) <= 1e-6f);
+        scene.images[0].rgba.assign(16, 128); // ((128/255 + .055) / 1.055)^2.4
+        QVERIFY(std::abs(sampleTexture(scene, t, {0.5f, 0.5f}, true).x - 0.215861f) <= 1e-6f);
+        QVERIFY(std::abs(sampleTexture(scene, t, {0.5f, 0.5f}, false).x - 128.0f / 255.0f) <= 1e-6f);
     }
 
     void surfacesTakeAllFactors()
