@@ -18,6 +18,7 @@
 #include <QRegularExpression>
 #include <QSlider>
 #include <QSpinBox>
+#include <QToolButton>
 
 using namespace lightloom;
 using namespace lightloom::test;
@@ -213,6 +214,19 @@ private Q_SLOTS:
         QCOMPARE(room.window->comparePanel().stateText(), QString("Off"));
     }
 
+    void anotherSceneIsAskedForAgain()
+    {
+        Room room(scene_.file());
+        room.press(Qt::Key_R);
+        QVERIFY(room.waitForReference());
+        const auto before = *room.desk().reference();
+        const OwnScene other("two_rooms");
+        QVERIFY(openAndBake(*room.window, other.file()));
+        QVERIFY(room.waitForReference());
+        QVERIFY(room.desk().reference()->job.camera.position != before.job.camera.position);
+        QVERIFY(QDir(other.file() + ".lightloom-cache").exists());
+    }
+
     void errorsAreFalseColourOfTheComputedError()
     {
         Room room(scene_.file());
@@ -256,6 +270,15 @@ private Q_SLOTS:
             QVERIFY(room.grab() == shown);
             room.viewport().setExposure(kEv);
         }
+        // another snapshot has errors of its own
+        const QString fine = room.window->comparePanel().figure(0);
+        const auto before = room.desk().errors();
+        room.window->snapshots().findChildren<QToolButton*>()[1]->click();
+        QTRY_VERIFY_WITH_TIMEOUT(room.desk().errors() != before, kPatience);
+        QVERIFY(room.waitForErrors(ErrorKind::difference));
+        QVERIFY(room.window->comparePanel().figure(0) != fine);
+        QVERIFY(room.window->comparePanel().judgedText().startsWith("Light octree, depth 4"));
+        QVERIFY(heatCheck(room.grab(), *room.desk().errors()).off == 0);
         room.press(Qt::Key_1, Qt::ControlModifier);
         QVERIFY(!room.window->legend().isVisible() && !room.viewport().showsErrors());
     }

@@ -105,9 +105,9 @@ private Q_SLOTS:
         Room room(scene_.file());
         QVERIFY(room.isBaked);
         room.vary(0, "gather.count", "50,100");
-        QVERIFY2(room.panel().stateText().startsWith("2 bake"), qPrintable(room.panel().stateText()));
+        QVERIFY2(room.panel().stateText().startsWith("2 bakes"), qPrintable(room.panel().stateText()));
         room.vary(1, "photons", "20000,40000");
-        QVERIFY2(room.panel().stateText().startsWith("4 bake"), qPrintable(room.panel().stateText()));
+        QVERIFY2(room.panel().stateText().startsWith("4 bakes"), qPrintable(room.panel().stateText()));
         QVERIFY(room.measure());
         const std::vector<SweepRow>& rows = room.panel().rows();
         QCOMPARE(rows.size(), std::size_t(4));
@@ -125,10 +125,10 @@ private Q_SLOTS:
         }
         auto* table = room.window->findChild<QTableWidget*>();
         QCOMPARE(table->rowCount(), 4);
-        QCOMPARE(table->item(2, 0)->text(), QString("100"));
-        QCOMPARE(table->item(2, 3)->text(), QString("%1 %").arg(100.0 * rows[2].error.relRmse, 0, 'f', 2));
+        QCOMPARE(table->item(2, 1)->text(), QString("100"));
+        QCOMPARE(table->item(2, 4)->text(), QString("%1 %").arg(100.0 * rows[2].error.relRmse, 0, 'f', 1));
         const std::vector<bool> isFront = sweepFront(rows);
-        for (int r = 0; r < 4; ++r) QCOMPARE(table->item(r, 6)->text() == "*", bool(isFront[std::size_t(r)]));
+        for (int r = 0; r < 4; ++r) QCOMPARE(table->item(r, 0)->text() == "*", bool(isFront[std::size_t(r)]));
 
         TradePlot& plot = room.panel().plot();
         for (std::size_t i = 0; i < 4; ++i)
@@ -199,7 +199,13 @@ private Q_SLOTS:
         QCOMPARE(room.panel().stateText(), QString("Waits for the bake"));
         QTest::qWait(500);
         QVERIFY(room.window->isBaking() && room.panel().rows().empty());
+        room.window->findChild<QSpinBox*>("compare.samples")->setValue(60'000);
+        QTest::keyClick(room.window->viewport(), Qt::Key_R);
         actionNamed(*room.window, "Cancel")->trigger();
+        QTRY_COMPARE(room.panel().stateText(), QString("Waits for the reference; R stops it"));
+        QTest::qWait(500);
+        QVERIFY(room.panel().rows().empty());
+        QTest::keyClick(room.window->viewport(), Qt::Key_R);
         QTRY_VERIFY_WITH_TIMEOUT(!room.panel().rows().empty(), kPatience); // goes on by itself
         QElapsedTimer clock;
         clock.start();

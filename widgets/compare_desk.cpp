@@ -69,6 +69,8 @@ void CompareDesk::setMix(const Mix& mix)
 {
     if (mix == mix_) return;
     mix_ = mix;
+    view_.snapshot.field.reset(); // under the old one; the same light under the new one will come
+    worker_.judge({}, shown_.value_or(ErrorKind::relative));
     viewChanged();
 }
 
@@ -165,8 +167,15 @@ void CompareDesk::ask()
     tellState();
 }
 
+bool CompareDesk::isTracing() const
+{
+    const bool isDone = picture_ && !picture_->isRough && picture_->view->isWhole;
+    return parts_.reference->isChecked() && problem_.isEmpty() && !isDone;
+}
+
 void CompareDesk::tellState()
 {
+    if (isTracing() != wasTracing_) Q_EMIT tracing(wasTracing_ = !wasTracing_);
     if (!parts_.reference->isChecked()) {
         parts_.panel->showState(picture_ ? tr("Stopped; the picture stays until the view changes") : tr("Off"));
     } else if (!problem_.isEmpty()) {
@@ -206,7 +215,9 @@ void CompareDesk::take(const ReferencePicture& picture)
 
 void CompareDesk::take(const ErrorPicture& picture)
 {
-    if (picture.serial != serial_ || (picture.error && shown_ && picture.error->kind != *shown_)) return;
+    const bool isOther =
+        picture.error && ((shown_ && picture.error->kind != *shown_) || picture.snapshot.field != view_.snapshot.field);
+    if (picture.serial != serial_ || isOther) return;
     error_ = picture.error;
     parts_.viewport->setErrors(error_);
     parts_.panel->show(picture);
@@ -222,7 +233,7 @@ void CompareDesk::tellNames()
     } else if (!shown_ && picture_->noise >= 0.0) {
         left += tr(", noise %1 %").arg(100.0 * picture_->noise, 0, 'f', 1);
     }
-    QString right = tr("Octree, depth %1").arg(view_.snapshot.level);
+    QString right = view_.snapshot.isRough ? tr("Octree, rough") : tr("Octree, depth %1").arg(view_.snapshot.level);
     if (parts_.viewport->mode() == ViewMode::direct) right = tr("Direct light");
     if (parts_.viewport->mode() == ViewMode::plain) right = tr("Plain");
     parts_.handle->setNames(left, right);

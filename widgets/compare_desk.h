@@ -36,12 +36,14 @@ public:
     void showErrors(std::optional<ErrorKind> kind);
     void modeChanged(); ///< the viewport's
 
+    [[nodiscard]] bool isTracing() const;
     [[nodiscard]] const std::optional<ReferencePicture>& reference() const { return picture_; } ///< of this view
     [[nodiscard]] const std::shared_ptr<const ViewError>& errors() const { return error_; }     ///< likewise
 
 Q_SIGNALS:
     void referenceShown();
     void errorsShown();
+    void tracing(bool isBusy); ///< a reference is being traced, or will be as soon as it may
 
 private:
     void viewChanged();
@@ -65,7 +67,7 @@ private:
     std::uint64_t serial_ = 0; ///< of the question that fits what is seen; 0: none was asked
     std::optional<ReferencePicture> picture_;
     std::shared_ptr<const ViewError> error_;
-    bool isBaking_ = false;
+    bool isBaking_ = false, wasTracing_ = false;
 };
 
 } // namespace lightloom

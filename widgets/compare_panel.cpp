@@ -33,6 +33,8 @@ constexpr std::array<Figure, 6> kFigures{{
      &ErrorMetrics::perPoint, false},
 }};
 
+constexpr double kNoisy = 0.25; ///< of relRMSE: below, the reference's noise moves it by 3 % at most
+
 QString percent(double fraction, bool isSigned = false)
 {
     const QString number = QString::number(100.0 * fraction, 'f', 2);
@@ -147,6 +149,8 @@ void ComparePanel::show(const ErrorPicture& picture)
     const ErrorMetrics& m = picture.error->metrics;
     judged_->setText(picture.snapshot.isRough ? tr("Rough picture of the bake")
                                               : tr("Light octree, depth %1").arg(picture.snapshot.level));
+    if (picture.error->noise > kNoisy * m.relRmse)
+        judged_->setText(tr("%1; noise of the reference still counts").arg(judged_->text()));
     for (std::size_t i = 0; i < kFigures.size(); ++i)
         figures_[i]->setText(percent(m.*kFigures[i].value, kFigures[i].isSigned));
     noise_->setText(picture.error->noise > 0.0 ? percent(picture.error->noise) : tr("not known yet"));
@@ -160,6 +164,7 @@ void ComparePanel::forgetErrors()
 }
 
 QString ComparePanel::stateText() const { return state_->text(); }
+QString ComparePanel::judgedText() const { return judged_->text(); }
 QString ComparePanel::figure(int row) const { return figures_[static_cast<std::size_t>(row)]->text(); }
 
 } // namespace lightloom

@@ -26,6 +26,7 @@ public:
     void show(const ErrorPicture& picture);
     void forgetErrors();
     [[nodiscard]] QString stateText() const;
+    [[nodiscard]] QString judgedText() const;    ///< what the figures are of
     [[nodiscard]] QString figure(int row) const; ///< as shown: relRMSE, bias, MAE, 95th percentile, largest, per pixel
 
 Q_SIGNALS:

@@ -4,12 +4,14 @@
 #include "core/compare/legend.h"
 #include <QPainter>
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 namespace lightloom {
 
 namespace {
 
-constexpr int kMargin = 10, kBarHeight = 12, kTick = 4, kTicks = 5, kGap = 14;
+constexpr int kMargin = 10, kBarHeight = 12, kTick = 4, kTicks = 5, kGap = 14, kBetween = 2;
 
 QColor shownColour(glm::vec3 linear)
 {
@@ -67,13 +69,16 @@ void LegendStrip::paintEvent(QPaintEvent*)
         painter.fillRect(left + x, top, 1, kBarHeight, shownColour(errorColour(error_->kind, value, error_->top)));
     }
     const int numbers = top + kBarHeight + kTick;
-    int free = 0; // a narrow window drops the numbers that would run into each other
-    for (int i = 0; i < kTicks; ++i) {
+    // the ends first, then the middle, then the rest: a narrow window drops numbers that would run into others
+    std::vector<std::pair<int, int>> taken;
+    for (const int i : {0, kTicks - 1, kTicks / 2, 1, 3}) {
         const int x = left + length * i / (kTicks - 1), half = metrics.horizontalAdvance(texts[i]) / 2;
         painter.fillRect(x, top + kBarHeight, 1, kTick, palette().color(QPalette::WindowText));
-        if (x - half < free) continue;
+        const std::pair<int, int> place(x - half - kBetween, x + half + kBetween);
+        const auto meets = [&](const auto& other) { return place.first < other.second && other.first < place.second; };
+        if (std::ranges::any_of(taken, meets)) continue;
         painter.drawText(x - half, numbers + metrics.ascent(), texts[i]);
-        free = x + half + 6;
+        taken.push_back(place);
     }
     const int from = left + length + metrics.horizontalAdvance(texts.last()) / 2 + kGap;
     painter.drawText(QRect(from, 0, width() - from - kMargin, height()), Qt::AlignVCenter | Qt::TextWordWrap, caption_);

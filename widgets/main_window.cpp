@@ -247,7 +247,10 @@ void MainWindow::tellBusy()
     const bool isBusy = isBaking_ && !bridge_->isPaused();
     if (viewport_ != nullptr) viewport_->setBusy(isBusy);
     if (compareDesk_ != nullptr) compareDesk_->setBaking(isBusy);
-    sweepPanel_->setHeld(isBusy);
+    const bool isTracing = compareDesk_ != nullptr && compareDesk_->isTracing();
+    sweepPanel_->holdFor(isBusy      ? tr("Waits for the bake")
+                         : isTracing ? tr("Waits for the reference; R stops it")
+                                     : QString());
 }
 
 void MainWindow::setParams(const BakeParams& params)

@@ -39,6 +39,7 @@ void MainWindow::makeCompareActions()
                    tr("Show how far the indirect illuminance is off the reference, in lux"), ErrorKind::absolute);
     addShownAction(tr("&Signed error"), Qt::CTRL | Qt::Key_4, tr("Show what is too dark and what too bright"),
                    ErrorKind::difference);
+    shown_->actions().last()->setIconText(tr("Error, ±")); // the toolbar is short
     reference_ = makeAction(tr("&Trace reference"), QKeySequence(Qt::Key_R),
                             tr("Trace a picture of this view by paths, whenever no bake runs; again to stop"));
     reference_->setCheckable(true);
@@ -84,6 +85,7 @@ void MainWindow::connectCompare()
     }
     auto* handle = new WipeHandle(viewport_);
     compareDesk_ = new CompareDesk({viewport_, comparePanel_, handle, legend_, reference_, wipe_}, this);
+    connect(compareDesk_, &CompareDesk::tracing, this, &MainWindow::tellBusy);
 }
 
 } // namespace lightloom

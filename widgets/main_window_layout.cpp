@@ -39,7 +39,7 @@ void MainWindow::buildToolbar()
     auto* space = new QWidget;
     space->setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Preferred);
     row.addWidget(space);
-    auto* preview = new QLabel(tr("direct light: preview"));
+    auto* preview = new QLabel(tr("direct: preview"));
     preview->setForegroundRole(QPalette::PlaceholderText);
     preview->setToolTip(
         tr("Direct light in the window comes from shadow maps and sample lights. `lightloom-cli render` "

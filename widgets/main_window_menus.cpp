@@ -68,6 +68,7 @@ void MainWindow::makeActions()
     swapModes_ = makeAction(tr("S&wap views"), QKeySequence(Qt::Key_Tab), tr("Back to the view before this one"));
     indirect_ = makeAction(tr("&Indirect only"), QKeySequence(Qt::Key_I), tr("Show the baked indirect light alone"));
     indirect_->setCheckable(true);
+    indirect_->setIconText(tr("Indirect")); // the toolbar is short
     frame_ = makeAction(tr("&Frame all"), QKeySequence(Qt::Key_F), tr("Move back until the whole scene is in view"));
     brighter_ = makeAction(tr("&Brighter"), QKeySequence(Qt::CTRL | Qt::Key_Up), tr("Expose a third of a stop more"));
     darker_ = makeAction(tr("D&arker"), QKeySequence(Qt::CTRL | Qt::Key_Down), tr("Expose a third of a stop less"));

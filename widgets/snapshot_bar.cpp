@@ -75,6 +75,12 @@ void SnapshotBar::replaceShown(const BakeView& view)
     }
 }
 
+void SnapshotBar::resizeEvent(QResizeEvent* event)
+{
+    QScrollArea::resizeEvent(event);
+    if (shown_ < buttons_.size()) ensureWidgetVisible(buttons_[shown_], 0, 0);
+}
+
 const BakeView* SnapshotBar::shown() const { return shown_ < views_.size() ? &views_[shown_] : nullptr; }
 
 } // namespace lightloom

@@ -27,6 +27,9 @@ public:
 Q_SIGNALS:
     void chosen(); ///< `shown()` is another one
 
+protected:
+    void resizeEvent(QResizeEvent* event) override; ///< what is shown stays in sight
+
 private:
     void choose(std::size_t index);
 

@@ -14,10 +14,12 @@
 #include <QHeaderView>
 #include <QLabel>
 #include <QLineEdit>
+#include <QPointer>
 #include <QProgressBar>
 #include <QPushButton>
 #include <QSpinBox>
 #include <QTableWidget>
+#include <QThreadPool>
 #include <algorithm>
 
 namespace lightloom {
@@ -59,7 +61,9 @@ QString suggestion(const ParamSpec& spec)
     return all.join(',');
 }
 
-QString percent(double fraction) { return QString::number(100.0 * fraction, 'f', 2) + QStringLiteral(" %"); }
+QString percent(double fraction) { return QString::number(100.0 * fraction, 'f', 1) + QStringLiteral(" %"); }
+
+QString bakes(std::size_t count) { return count == 1 ? QObject::tr("1 bake") : QObject::tr("%1 bakes").arg(count); }
 
 } // namespace
 
@@ -149,6 +153,8 @@ void SweepPanel::build()
     table_->setSelectionBehavior(QAbstractItemView::SelectRows);
     table_->setSelectionMode(QAbstractItemView::SingleSelection);
     table_->verticalHeader()->hide();
+    table_->verticalHeader()->setDefaultSectionSize(fontMetrics().height() + 6);
+    table_->horizontalHeader()->setHighlightSections(false);
     table_->setMinimumHeight(120);
     table_->setToolTip(tr("Click a row, or press Return on it, to bake with its parameters. *: beaten by no other"));
     column->addLayout(buttons);
@@ -177,11 +183,12 @@ void SweepPanel::setBase(const BakeParams& params)
     if (!isRunning_ && rows_.empty()) tellPlan();
 }
 
-void SweepPanel::setHeld(bool held)
+void SweepPanel::holdFor(const QString& reason)
 {
-    isHeld_ = held;
-    worker_.setHeld(held);
-    if (isRunning_ && held) state_->setText(tr("Waits for the bake"));
+    if (reason == held_) return;
+    held_ = reason;
+    worker_.setHeld(!held_.isEmpty());
+    if (isRunning_ && !held_.isEmpty()) state_->setText(held_);
 }
 
 Result<SweepPlan> SweepPanel::plan() const
@@ -209,8 +216,8 @@ void SweepPanel::tellPlan()
     if (!planned) {
         state_->setText(QString::fromStdString(planned.error().message));
     } else {
-        const auto bakes = static_cast<int>(sweepRows(planned->base, planned->axes)->size());
-        state_->setText(tr("%n bake(s), each of two seeds, lamps as the file has them", nullptr, bakes));
+        const Result<std::vector<BakeParams>> rows = sweepRows(planned->base, planned->axes);
+        state_->setText(tr("%1, each of two seeds, lamps as the file has them").arg(bakes(rows->size())));
     }
 }
 
@@ -228,13 +235,13 @@ void SweepPanel::run()
     told_.invalidate();
     serial_ = worker_.start(
         {*planned, file_, static_cast<std::uint64_t>(points_->value()), static_cast<float>(noise_->value() / 100.0)});
-    state_->setText(isHeld_ ? tr("Waits for the bake") : tr("Preparing"));
+    state_->setText(held_.isEmpty() ? tr("Preparing") : held_);
     tellPlan();
 }
 
 void SweepPanel::take(const SweepProgress& progress)
 {
-    if (progress.serial != serial_ || !isRunning_ || isHeld_) return;
+    if (progress.serial != serial_ || !isRunning_ || !held_.isEmpty()) return;
     if (told_.isValid() && told_.elapsed() < kTellMs) return;
     told_.start();
     setFraction(*bar_, progress.fraction);
@@ -267,7 +274,8 @@ void SweepPanel::end(quint64 serial, const QString& error, bool isCancelled)
         state_->setText(tr("Stopped after %1 of %2 bakes").arg(rows_.size()).arg(wanted_.size()));
     } else {
         setFraction(*bar_, 1.0);
-        state_->setText(tr("%n bake(s) measured; noise of the reference %1 %", nullptr, static_cast<int>(rows_.size()))
+        state_->setText(tr("%1 measured; noise of the reference %2 %")
+                            .arg(bakes(rows_.size()))
                             .arg(rows_.empty() ? 0.0 : 100.0 * rows_.front().referenceNoise, 0, 'f', 2));
     }
     Q_EMIT ended();
@@ -290,9 +298,9 @@ void SweepPanel::showRows()
     plot.xLabel = tr("CPU-seconds").toStdString();
     plot.yLabel = tr("relRMSE of the indirect light, %").toStdString();
     plot_->show(std::move(plot));
-    QStringList titles;
+    QStringList titles{QStringLiteral("*")};
     for (const SweepAxis& axis : axes_) titles += text(axis.param->key);
-    titles += {tr("CPU-s"), tr("relRMSE"), tr("noise"), tr("systematic"), tr("*")};
+    titles += {tr("CPU-s"), tr("relRMSE"), tr("noise"), tr("systematic")};
     table_->clear();
     table_->setColumnCount(static_cast<int>(titles.size()));
     table_->setRowCount(static_cast<int>(rows_.size()));
@@ -300,10 +308,10 @@ void SweepPanel::showRows()
     const std::vector<bool> isFront = sweepFront(rows_);
     for (std::size_t r = 0; r < rows_.size(); ++r) {
         const SweepRow& row = rows_[r];
-        QStringList cells;
+        QStringList cells{isFront[r] ? QStringLiteral("*") : QString()};
         for (const SweepAxis& axis : axes_) cells += QString::fromStdString(paramText(row.params, *axis.param));
         cells += {QString::number(row.cpuSeconds(), 'f', 2), percent(row.error.relRmse), percent(row.split.noise),
-                  percent(row.split.systematic), isFront[r] ? QStringLiteral("*") : QString()};
+                  percent(row.split.systematic)};
         for (int c = 0; c < cells.size(); ++c) {
             auto* item = new QTableWidgetItem(cells[c]);
             item->setTextAlignment(Qt::AlignRight | Qt::AlignVCenter);
@@ -334,9 +342,16 @@ void SweepPanel::write(const QString& file, bool asPlot)
         rows_.size() < wanted_.size() ? std::optional(wanted_.size()) : std::nullopt;
     const std::string content =
         asPlot ? svgPlot(sweepPlot(rows_, kMethod, sceneName().toStdString())) : sweepText(rows_, kMethod, wanted);
-    const Result<Done> written = writeFile(file.toStdString(), content);
-    state_->setText(written ? tr("%1 is written").arg(QFileInfo(file).fileName())
-                            : QString::fromStdString(written.error().message));
+    // the disk may take its time, and the panel may be gone when it has
+    QThreadPool::globalInstance()->start([panel = QPointer(this), file, content] {
+        const Result<Done> written = writeFile(file.toStdString(), content);
+        const QString line = written ? tr("%1 is written").arg(QFileInfo(file).fileName())
+                                     : QString::fromStdString(written.error().message);
+        const auto tell = [panel, line] {
+            if (panel) panel->state_->setText(line);
+        };
+        QMetaObject::invokeMethod(qApp, tell, Qt::QueuedConnection);
+    });
 }
 
 QString SweepPanel::stateText() const { return state_->text(); }

@@ -28,7 +28,7 @@ public:
     /// Of the sweeps to come; rows of another scene go.
     void setScene(std::shared_ptr<const Scene> scene, const QString& file);
     void setBase(const BakeParams& params); ///< values of what is not varied
-    void setHeld(bool held);                ///< a bake comes first
+    void holdFor(const QString& reason);    ///< others come first: said in place of progress; empty: go on
 
     [[nodiscard]] const std::vector<SweepRow>& rows() const { return rows_; } ///< in the order they are shown
     [[nodiscard]] bool isRunning() const { return isRunning_; }
@@ -66,7 +66,8 @@ private:
     std::vector<std::string> wanted_; ///< values of the axes, in order
     std::vector<SweepAxis> axes_;     ///< of the sweep that runs or ran
     std::uint64_t serial_ = 0;
-    bool isRunning_ = false, isHeld_ = false;
+    bool isRunning_ = false;
+    QString held_; ///< why it waits; empty: it does not
     QElapsedTimer told_;
 
     std::array<AxisEdit, 2> edits_{};

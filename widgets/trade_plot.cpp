@@ -110,9 +110,10 @@ void TradePlot::paintAxes(QPainter& painter) const
 {
     const QRectF f = frame();
     const QFontMetrics m = fontMetrics();
-    const QColor ink = palette().color(QPalette::Text), strong = palette().color(QPalette::Mid);
-    QColor faint = strong;
-    faint.setAlphaF(0.35f);
+    const QColor ink = palette().color(QPalette::Text);
+    QColor strong = ink, faint = ink; // on dark and on light ground
+    strong.setAlphaF(0.35f);
+    faint.setAlphaF(0.12f);
     for (const Tick& t : x_.ticks) {
         const double x = f.left() + f.width() * x_.partOf(t.value);
         painter.setPen(t.label.empty() ? faint : strong);
@@ -164,13 +165,15 @@ void TradePlot::paintSeries(QPainter& painter, std::size_t s) const
 {
     const QColor colour = colourOf(s);
     QPainterPath path;
+    bool isBegun = false; // a path that was only moved to a point still calls itself empty
     for (const PlotPoint& p : plot_.series[s].points) {
         if (!canShow(p)) continue;
-        if (path.isEmpty() || p.startsLine) {
+        if (!isBegun || p.startsLine) {
             path.moveTo(place(p));
         } else {
             path.lineTo(place(p));
         }
+        isBegun = true;
     }
     painter.setBrush(Qt::NoBrush);
     painter.setPen(QPen(colour, 1.0));
