@@ -149,8 +149,6 @@ void CompareDesk::turn(bool on)
 void CompareDesk::ask()
 {
     if (!view_.rays || !view_.lights || parts_.viewport->isEmpty()) return; // a first light will ask
-    CompareQuestion question{view_.rays, view_.lights, mix_, {}, std::filesystem::path(file_.toStdString())};
-    ViewJob& job = question.job;
     const glm::ivec2 size = glm::max(parts_.viewport->pixels() / parts_.panel->shrink(), glm::ivec2(1));
     const double bytes = kBytesPerPixel * size.x * size.y;
     problem_ =
@@ -158,11 +156,14 @@ void CompareDesk::ask()
             ? QString()
             : tr("A reference of this size needs %1 GiB; choose a smaller one").arg(bytes / (1 << 30), 0, 'f', 1);
     if (!problem_.isEmpty()) return tellState();
+    ViewJob job;
     job.camera = parts_.viewport->camera().camera();
     job.width = size.x;
     job.height = size.y;
     job.indirect = ViewJob::Indirect::paths;
     job.samples = parts_.panel->samples();
+    CompareQuestion question{view_.rays, view_.lights, mix_, std::move(job),
+                             std::filesystem::path(file_.toStdString())};
     serial_ = worker_.ask(std::move(question));
     tellState();
 }
