@@ -9,6 +9,7 @@
 #include "core/scene/analytic_scenes.h"
 #include "core/scene/sample_scenes.h"
 #include "tests/light_helpers.h"
+#include "tests/mirror_scene.h"
 #include "tests/view_helpers.h"
 #include <QTemporaryDir>
 
@@ -60,6 +61,30 @@ private Q_SLOTS:
         QCOMPARE(slices, 12);
         QVERIFY(sameBits(part, lit_.render(lit_.job(12), workers)));
         QVERIFY(view.seconds() > 0.0);
+    }
+
+    void photonsByWayOfMirrorsComeInSlicesToo()
+    {
+        const MirrorScene mirror(0.0f, 100.0f, 0.5f);
+        const auto lights = std::make_shared<LightSampler>(mirror.lit.rays);
+        ViewJob job = lit_.job(12);
+        job.camera.position = {0.9f, 1.9f, 0.0f}; // above the floor that the lamp's image lights
+        job.camera.orientation = glm::quatLookAt(glm::vec3(0, -1, 0), glm::vec3(0, 0, -1));
+        Workers workers(3);
+        ProgressiveView view(mirror.lit.rays, lights, {}, nullptr, job);
+        View part;
+        int ofPhotons = 0;
+        std::uint64_t last = 0;
+        while (!view.isWhole()) {
+            part = view.advance(0.0, workers, {});
+            QCOMPARE(part.rays, std::uint64_t(70 * 50 * part.samples)); // all pixels alike
+            QVERIFY(part.causticRounds <= last + 1);
+            ofPhotons += part.causticRounds > last ? 1 : 0;
+            last = part.causticRounds;
+        }
+        QCOMPARE(ofPhotons, 12);
+        const View whole = renderView(*mirror.lit.rays, *lights, {}, nullptr, job, workers, {});
+        QVERIFY(sameBits(part, whole));
     }
 
     void aStopLosesNothing()

@@ -6,8 +6,8 @@
 #include "core/bake/view_caustics.h"
 #include "core/compare/reference_store.h"
 #include "tests/mirror_scene.h"
+#include "tests/view_helpers.h"
 #include <QTemporaryDir>
-#include <cstring>
 
 using namespace lightloom;
 using namespace lightloom::test;
@@ -36,16 +36,6 @@ View render(const LitScene& lit, const ViewJob& job, int threads = 2)
 {
     Workers workers(threads);
     return renderView(*lit.rays, *lit.lights, {}, nullptr, job, workers, {});
-}
-
-bool sameBits(const View& a, const View& b)
-{
-    const auto same = [](const FloatImage& x, const FloatImage& y) {
-        return x.isSameSize(y) &&
-               std::memcmp(x.pixels.data(), y.pixels.data(), x.pixels.size() * sizeof(glm::vec3)) == 0;
-    };
-    return same(a.direct, b.direct) && same(a.indirect, b.indirect) && same(a.standardError, b.standardError) &&
-           a.isWhole == b.isWhole && a.causticRounds == b.causticRounds;
 }
 
 } // namespace

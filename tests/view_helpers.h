@@ -14,7 +14,8 @@ inline bool sameBits(const FloatImage& a, const FloatImage& b)
 inline bool sameBits(const View& a, const View& b)
 {
     return sameBits(a.direct, b.direct) && sameBits(a.indirect, b.indirect) &&
-           sameBits(a.standardError, b.standardError) && a.rays == b.rays && a.isWhole == b.isWhole;
+           sameBits(a.standardError, b.standardError) && a.rays == b.rays && a.isWhole == b.isWhole &&
+           a.causticRounds == b.causticRounds;
 }
 
 } // namespace lightloom::test

@@ -41,8 +41,10 @@ void SnapshotBar::add(const BakeView& view)
     const QString took = tr("%1 s").arg(seconds, 0, 'f', seconds < 10.0 ? 2 : 1);
     const QString name = view.snapshot.isRough ? tr("rough") : tr("d%1").arg(view.snapshot.level);
     button->setText(name + QStringLiteral("  ") + took);
-    button->setToolTip(view.snapshot.isFinal ? tr("Final: depth %1").arg(view.snapshot.level)
-                                             : tr("Refinement: depth %1").arg(view.snapshot.level));
+    QString tip = view.snapshot.isFinal ? tr("Final: depth %1").arg(view.snapshot.level)
+                                        : tr("Refinement: depth %1").arg(view.snapshot.level);
+    if (view.noise) tip += tr(", noise %1 % as the bake states it").arg(100.0 * *view.noise, 0, 'f', 1);
+    button->setToolTip(tip);
     button->setAccessibleName(tr("Snapshot of depth %1").arg(view.snapshot.level));
     button->setCheckable(true);
     button->setAutoRaise(true);

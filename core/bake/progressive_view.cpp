@@ -22,9 +22,11 @@ View ProgressiveView::advance(double seconds, Workers& workers, const std::stop_
     std::stop_source slice;
     const std::stop_callback linked(stop, [&slice] { slice.request_stop(); });
     const auto progress = [&](double fraction) {
-        // whole just after the last tile of a camera ray, when no tile of the next one has begun
+        // whole just after the last tile of a camera ray, when no tile of the next one has begun (where photons follow
+        // the rays, of every second one); rounds of photons are whole whenever they tell
         const double rays = fraction * job_.samples;
-        if (std::abs(rays - std::round(rays)) < 1e-6 && spent() >= seconds) slice.request_stop();
+        const bool isEven = state_.causticRounds > 0 || std::abs(rays - std::round(rays)) < 1e-6;
+        if (isEven && spent() >= seconds) slice.request_stop();
     };
     View view = continueView(*rays_, *lights_, mix_, field_.get(), job_, state_, workers, slice.get_token(), progress);
     isWhole_ = view.isWhole;

@@ -13,8 +13,9 @@ public:
     ProgressiveView(std::shared_ptr<const RayScene> rays, std::shared_ptr<const LightSampler> lights, Mix mix,
                     std::shared_ptr<const IndirectField> field, ViewJob job, ViewState state = {});
 
-    /// Goes on for about `seconds`: to the end of the camera ray per pixel that runs then, at least one. After `stop`
-    /// sooner; pixels may then differ by one ray.
+    /// Goes on for about `seconds`: to the end of the camera ray per pixel that runs then, at least one, then likewise
+    /// by rounds of photons (renderView), whose light is missing until then. After `stop` sooner; pixels may then
+    /// differ by one ray.
     [[nodiscard]] View advance(double seconds, Workers& workers, const std::stop_token& stop);
 
     [[nodiscard]] const ViewJob& job() const { return job_; }
