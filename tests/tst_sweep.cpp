@@ -2,6 +2,7 @@
 // Claim: a sweep bakes every row once, reuses what it can and still tells what each row would cost alone; its figures
 // are those of a bake by itself; noise and bias are told apart; it stops at once and keeps what it finished.
 #include "core/base/rng.h"
+#include "core/base/statistics.h"
 #include "core/compare/field_probe.h"
 #include "core/compare/pareto.h"
 #include "core/compare/sweep.h"
@@ -197,6 +198,34 @@ private Q_SLOTS:
         QVERIFY2(std::abs(split.noise - 0.1) <= 5 * 0.1 / std::sqrt(2.0 * n), qPrintable(QString::number(split.noise)));
         QVERIFY2(std::abs(split.systematic - 0.2) <= 5 * 0.0525 / std::sqrt(double(n)) / 0.4,
                  qPrintable(QString::number(split.systematic)));
+    }
+
+    void squaresKnowTheirOwnErrors() // pulls of many small measurements of a known truth have a spread of one
+    {
+        constexpr std::size_t n = 100, rounds = 400;
+        const double bias = 0.2, noise = 0.1, rough = 0.15;
+        Rng rng(12, 0, 0);
+        RunningMean ofNoise, ofBias;
+        for (std::size_t round = 0; round < rounds; ++round) {
+            Judge judge;
+            judge.reference.resize(n), judge.standardError.assign(n, rough);
+            judge.mean = 1.0, judge.noise = rough;
+            std::vector<double> e1(n), e2(n);
+            for (std::size_t i = 0; i < n; ++i) {
+                judge.reference[i] = 1.0 + rough * normal(rng);
+                e1[i] = 1.0 + bias + noise * normal(rng);
+                e2[i] = 1.0 + bias + noise * normal(rng);
+            }
+            const SplitSquares squares = splitSquares(e1, e2, judge);
+            ofNoise.add((squares.noise.value - noise * noise) / squares.noise.sigma);
+            ofBias.add((squares.systematic.value - bias * bias) / squares.systematic.sigma);
+            QVERIFY(std::abs(squares.systematicSpread / squares.systematic.sigma - 1.0) < 0.6);
+        }
+        for (const RunningMean& pulls : {ofNoise, ofBias}) {
+            const double spread = std::sqrt(pulls.variance());
+            QVERIFY2(spread > 0.8 && spread < 1.3, qPrintable(QString::number(spread)));
+            QVERIFY2(std::abs(pulls.mean()) < 0.3, qPrintable(QString::number(pulls.mean()))); // skewed, but little
+        }
     }
 
     void rowsAreWhatABakeAloneGives()

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/compare/judge.h"
+#include "core/base/statistics.h"
 #include "core/base/units.h"
 #include <algorithm>
 #include <cassert>
@@ -62,12 +63,12 @@ Result<Judge> judgeFrom(const ProbeTable& table, const Scene& scene)
 
 Result<Judge> traceJudge(const SceneProducts& at, const std::vector<ProbeRow>& rows, const ReferenceJob& job,
                          const ReferenceStore& store, Workers& workers, const std::stop_token& stop,
-                         const std::function<void(double)>& progress)
+                         const std::function<void(double)>& progress, const Mix& mix)
 {
     Judge judge;
     for (const ProbeRow& row : rows) judge.points.push_back(inScene(at.rays->scene(), row));
-    const KeptReference kept =
-        store.illuminance(*at.rays, *at.lights, {}, judge.points, job, ReferenceMatch::asGood, workers, stop, progress);
+    const KeptReference kept = store.illuminance(*at.rays, *at.lights, mix, judge.points, job, ReferenceMatch::asGood,
+                                                 workers, stop, progress);
     if (kept.result.finished < judge.points.size()) {
         return Error{Error::Kind::cancelled, "interrupted before the reference was done"};
     }
@@ -78,18 +79,30 @@ Result<Judge> traceJudge(const SceneProducts& at, const std::vector<ProbeRow>& r
     return finished(std::move(judge));
 }
 
-ErrorSplit splitError(std::span<const double> e1, std::span<const double> e2, const Judge& judge)
+SplitSquares splitSquares(std::span<const double> e1, std::span<const double> e2, const Judge& judge)
 {
     assert(e1.size() == judge.reference.size() && e2.size() == judge.reference.size());
-    double differences = 0, products = 0;
+    RunningMean noise, shared;
+    double variance = 0;
+    const double scale = 1.0 / (judge.mean * judge.mean);
     for (std::size_t i = 0; i < e1.size(); ++i) {
-        const double r = judge.reference[i];
-        differences += (e1[i] - e2[i]) * (e1[i] - e2[i]);
-        products += (e1[i] - r) * (e2[i] - r);
+        const double r = judge.reference[i], s2 = judge.standardError[i] * judge.standardError[i];
+        const double half = 0.5 * (e1[i] - e2[i]) * (e1[i] - e2[i]), product = (e1[i] - r) * (e2[i] - r) - s2;
+        noise.add(scale * half);
+        shared.add(scale * product);
+        // of (b + n1 - r) (b + n2 - r) - s^2 with noises n of variance v and the reference's r of variance s^2, which
+        // both factors share: 2 b^2 (v + 2 s^2) + v^2 + 2 v s^2 + 2 s^4; `half` is v, its square three times v^2
+        const double b2 = std::max(0.0, product);
+        variance += scale * scale * (2.0 * b2 * (half + 2.0 * s2) + half * half / 3.0 + 2.0 * s2 * (half + s2));
     }
-    const double scale = 1.0 / (static_cast<double>(e1.size()) * judge.mean * judge.mean);
-    const double shared = scale * products - judge.noise * judge.noise;
-    return {std::sqrt(0.5 * scale * differences), std::sqrt(std::max(0.0, shared))};
+    const auto n = static_cast<double>(std::max<std::size_t>(e1.size(), 1));
+    return {{noise.mean(), noise.standardError()}, {shared.mean(), std::sqrt(variance) / n}, shared.standardError()};
+}
+
+ErrorSplit splitError(std::span<const double> e1, std::span<const double> e2, const Judge& judge)
+{
+    const SplitSquares squares = splitSquares(e1, e2, judge);
+    return {std::sqrt(squares.noise.value), std::sqrt(std::max(0.0, squares.systematic.value))};
 }
 
 } // namespace lightloom

@@ -31,7 +31,7 @@ inline constexpr std::uint64_t kJudgePoints = 2000, kJudgeSeed = 1;
 [[nodiscard]] Result<Judge> traceJudge(const SceneProducts& at, const std::vector<ProbeRow>& rows,
                                        const ReferenceJob& job, const ReferenceStore& store, Workers& workers,
                                        const std::stop_token& stop,
-                                       const std::function<void(double fraction)>& progress = {});
+                                       const std::function<void(double fraction)>& progress = {}, const Mix& mix = {});
 
 /// Noise and bias of a method, told apart by bakes of two seeds, E1 and E2, against a reference R with standard errors
 /// s (means over the points, m the mean of R). What differs between the seeds is noise; what they share is not:
@@ -44,5 +44,19 @@ struct ErrorSplit {
     double systematic = 0; ///< local bias, root mean square: blur, cells, leaks; the same for every seed
 };
 [[nodiscard]] ErrorSplit splitError(std::span<const double> e1, std::span<const double> e2, const Judge& judge);
+
+/// A mean of squares over the points, over the square of the mean light.
+struct MeanSquare {
+    double value = 0;
+    double sigma = 0; ///< standard error from the noise of what was measured at these points
+};
+
+/// The squares behind `splitError`. `systematic` is not cut off at 0, so that it is unbiased and may be averaged.
+struct SplitSquares {
+    MeanSquare noise, systematic;
+    double systematicSpread = 0; ///< standard error of `systematic` from having these points and not others
+};
+/// With the same values twice, `systematic` is relRMSE^2 of that one result.
+[[nodiscard]] SplitSquares splitSquares(std::span<const double> e1, std::span<const double> e2, const Judge& judge);
 
 } // namespace lightloom
