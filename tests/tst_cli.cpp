@@ -104,9 +104,9 @@ private Q_SLOTS:
         add("no output", {"render", kScene, "--method", "direct"}, "--output is required");
         add("json without a file", probe + QStringList{"--json"}, "-o");
         add("unknown sample", {"make-scene", "sponza", "-o", "a.glb"}, "sponza");
-        for (const char* later : {"--time-budget", "--error-budget", "--shard"}) {
-            add(later, probe + QStringList{later, "1"}, later); // not there yet: not silently taken
-        }
+        add("not there yet", probe + QStringList{"--shard", "1"}, "--shard"); // not silently taken
+        add("budget of a sweep", {"sweep", kScene, "--method", "light-octree", "--time-budget", "1", "-o", "s.csv"},
+            "--time-budget");
         add("resume", probe + QStringList{"--resume"}, "--resume");
     }
     void usageErrors()

@@ -114,8 +114,9 @@ int bake(const Context& context, const BakeCommand& command)
     if (const Result<Done> wrote = writeFile(command.output, *bytes); !wrote) return failWriting(wrote.error());
     const std::optional<double> noise = context.quiet && !context.json ? std::nullopt : noiseOf(*lighting);
     if (context.json) {
-        fmt::print("{}\n", report(*lighting, info, noise, bytes->size(), context.workers->threadCount())
-                               .dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+        nlohmann::json json = report(*lighting, info, noise, bytes->size(), context.workers->threadCount());
+        if (lighting->budget) json["budget"] = asJson(*lighting->budget);
+        fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
     } else if (!context.quiet) {
         print(*lighting, noise, command.output, bytes->size());
     }

@@ -41,11 +41,14 @@ struct BakeOptions {
     std::vector<std::string> set; ///< NAME=VALUE
     std::optional<std::uint64_t> seed;
     std::optional<double> targetStderr;
+    std::optional<double> timeBudget, errorBudget; ///< CPU-seconds; fraction
     Isa isa = Isa::automatic;
 };
 [[nodiscard]] Result<BakeParams> bakeParams(const BakeOptions& options);
 /// With --target-stderr the most paths and samples of a reference rise out of its way, unless they were set by hand.
 void makeRoomForTarget(BakeParams& params, const BakeOptions& options);
+/// Whether `key` was given a value by hand.
+[[nodiscard]] bool isSet(const BakeOptions& options, std::string_view key);
 /// The options other than the preset, on top of `from`.
 [[nodiscard]] Result<BakeParams> withOptions(BakeParams from, const BakeOptions& options);
 

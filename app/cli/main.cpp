@@ -163,6 +163,15 @@ private:
         addChoice(to, "--isa", spoken_.isa, texts(kIsaNames), "Instruction set for rays; part of the result's bits");
     }
 
+    void addBudgets(CLI::App& to)
+    {
+        cli::BakeOptions& o = spoken_.bakeOptions;
+        to.add_option("--time-budget", o.timeBudget, "Pick octree.depth, gather.count and photons for so much time")
+            ->option_text("CPU_SECONDS");
+        to.add_option("--error-budget", o.errorBudget, "Pick them for this error (relRMSE), as cheaply as can be")
+            ->option_text("FRACTION");
+    }
+
     [[nodiscard]] cli::BakeOptions bakeOptions() const
     {
         cli::BakeOptions options = spoken_.bakeOptions;
@@ -198,6 +207,7 @@ private:
         });
         addMethod(*command, spoken_.bake.method);
         addBakeOptions(*command);
+        addBudgets(*command);
         addOutput(*command, "BAKE.vdb")->required();
     }
 
@@ -214,6 +224,7 @@ private:
         command->add_option("--points", spoken_.probe.points, "Where: x,y,z,nx,ny,nz")->required()->option_text("FILE");
         addCache(*command, spoken_.probe.cache);
         addBakeOptions(*command);
+        addBudgets(*command);
         addOutput(*command, "RESULT.csv; standard output without");
     }
 
@@ -246,6 +257,7 @@ private:
             ->option_text("OUT.png");
         addCache(*command, r.cache);
         addBakeOptions(*command);
+        addBudgets(*command);
         addOutput(*command, "IMAGE.exr (cd/m2; layers direct and indirect) or IMAGE.png")->required();
     }
 

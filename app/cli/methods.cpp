@@ -19,8 +19,16 @@ Result<Done> bakeNow(const Context& context, const LightingRequest& request, dou
 {
     Result<std::shared_ptr<const Scene>> scene = readScene(request.scene, context.log, context.stop);
     if (!scene) return scene.error();
-    const BakeJob job{*scene, lighting.params, {}, request.options.isa, 0};
+    BakeJob job{*scene, lighting.params, {}, request.options.isa, 0};
     BakeProducts products;
+    if (hasBudget(request.options)) {
+        Result<BudgetReport> picked = pickForBudget(context, request.options, job, lighting.method,
+                                                    storeOf(context, request.scene, request.cache), products);
+        if (!picked) return picked.error();
+        lighting.params = job.params = picked->plan.params;
+        lighting.budget = *std::move(picked);
+        products.beginRound();
+    }
     BakeControl::Sinks sinks;
     sinks.publish = [&](const Snapshot& snapshot) { lighting.field = snapshot.field; };
     sinks.progress = [&](const Progress& p) { context.report->progress(stageName(p.stage), share * p.fraction); };
@@ -32,6 +40,11 @@ Result<Done> bakeNow(const Context& context, const LightingRequest& request, dou
     if (!kept) return kept.error();
     lighting.lit = {*scene, kept->rays, kept->lights, kept->reach};
     lighting.counters = products.counters;
+    if (lighting.budget) {
+        const double cpuSeconds = allCpuSeconds(lighting.counters.stages);
+        const Result<Done> judged = judgeBudget(context, *lighting.budget, *kept, *lighting.field, cpuSeconds);
+        if (!judged) return judged.error();
+    }
     log(context.log, LogLevel::debug,
         fmt::format("{} baked in {:.2f} s, {:.1f} MiB", methodName(lighting.method), lighting.bakeSeconds,
                     static_cast<double>(lighting.field->memoryBytes()) / (1 << 20)));
@@ -114,6 +127,8 @@ Result<Done> checkRequest(const LightingRequest& request)
         if (const Result<Method> method = methodNamed(request.method); !method) return method.error();
     }
     if (const Result<BakeParams> params = bakeParams(request.options); !params) return params.error();
+    const Result<Done> fine = checkBudget(request.options, request.method, request.bakeFile);
+    if (!fine) return fine.error();
     if (request.cache.resume && request.method != methodName(Method::reference)) {
         return Error{Error::Kind::badInput, "--resume goes on with a reference: --method reference"};
     }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "app/cli/commands.h"
-#include "core/compare/reference_store.h"
+#include "app/cli/budget.h"
 #include "core/field/bake_products.h"
 #include "core/field/indirect_field.h"
 
@@ -25,6 +24,7 @@ struct Lighting {
     std::shared_ptr<const IndirectField> field; ///< null for `direct` and `reference`
     WorkCounters counters;                      ///< of the bake, if one was run
     double bakeSeconds = 0;
+    std::optional<BudgetReport> budget; ///< what was picked for it, where a budget was given
 };
 
 /// What `prepareLighting` wants to know.

@@ -17,13 +17,15 @@ void makeRoomForTarget(BakeParams& params, const BakeOptions& options)
 {
     constexpr int kMostPaths = 1 << 20, kMostSamples = 1 << 14;
     if (params.referenceStderr <= 0.0f || !options.targetStderr) return;
-    const auto isSet = [&](std::string_view key) {
-        return std::ranges::any_of(options.set, [key](const std::string& text) {
-            return text.starts_with(key) && text.substr(key.size()).starts_with('=');
-        });
-    };
-    if (!isSet("reference.samples")) params.referenceSamples = std::max(params.referenceSamples, kMostPaths);
-    if (!isSet("render.samples")) params.pixelSamples = std::max(params.pixelSamples, kMostSamples);
+    if (!isSet(options, "reference.samples")) params.referenceSamples = std::max(params.referenceSamples, kMostPaths);
+    if (!isSet(options, "render.samples")) params.pixelSamples = std::max(params.pixelSamples, kMostSamples);
+}
+
+bool isSet(const BakeOptions& options, std::string_view key)
+{
+    return std::ranges::any_of(options.set, [key](const std::string& text) {
+        return text.starts_with(key) && text.substr(key.size()).starts_with('=');
+    });
 }
 
 Result<BakeParams> withOptions(BakeParams from, const BakeOptions& options)
