@@ -72,7 +72,7 @@ private Q_SLOTS:
         const double wanted = 0.5 + 0.2 + 3 * (1e-6 * 1e5 + 1e-8 * stored * std::log2(stored) + gather);
         QVERIFY2(std::abs(costs.seconds(5, 100, 1e5) / wanted - 1.0) <= 1e-6,
                  qPrintable(QString("%1 of %2").arg(costs.seconds(5, 100, 1e5)).arg(wanted)));
-        costs.gatheredFrom = stored / 8; // photons of larger maps are waited for
+        costs.measuredWith = stored / 8; // photons of larger maps are waited for
         const double more = costs.seconds(5, 100, 1e5) - wanted, photonsShare = 3 * 4000 * 7e-8 * 100;
         QVERIFY2(more > 0.1 * photonsShare && more < 0.4 * photonsShare, qPrintable(QString::number(more)));
         // a line that would begin below nothing goes through nothing

@@ -14,6 +14,7 @@ namespace {
 constexpr int kGrowth = 2, kMostProbes = 4800, kDeepest = 8;
 constexpr double kOfBake = 1.0;    ///< what a further pilot may cost of a bake that is to reach an error
 constexpr double kOfTime = 0.14;   ///< what all pilots may cost of a time budget, if the first does not cost more
+constexpr double kAim = 0.9;       ///< of the error asked for: models are good to a tenth or two
 constexpr double kWellBelow = 0.5; ///< of the floor: refused at once; else only after a second pilot
 
 class Planner {
@@ -70,7 +71,8 @@ private:
     [[nodiscard]] std::optional<BudgetPick> pick() const
     {
         if (!asked_.error) return models_.bestFor(*asked_.cpuSeconds);
-        const std::optional<BudgetPick> best = models_.cheapestFor(*asked_.error);
+        std::optional<BudgetPick> best = models_.cheapestFor(kAim * *asked_.error);
+        if (!best) best = models_.cheapestFor(*asked_.error);
         if (best && asked_.cpuSeconds && best->cpuSeconds > *asked_.cpuSeconds) return {};
         return best;
     }

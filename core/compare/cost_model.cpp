@@ -30,12 +30,13 @@ Line lineThrough(const Points& points, X xOf, Y yOf)
     return {y1 / n, 0.0};
 }
 
-/// How much longer a photon is waited for in a map of `stored` photons than in one of `measured`. From 38 thousand to
-/// 1.2 million the time per photon of a gather rose from 73 to 100 ns.
-double memoryGrowth(double stored, double measured)
+/// How much longer a photon of `stored` is waited for than one of `measured`. A gather's time per photon rose from 73
+/// to 100 ns between 38 thousand and 1.2 million; the tree's share is set so that whole bakes of up to 20 million a
+/// lamp come out as foretold.
+constexpr double kGatherPerDoubling = 0.07, kTreePerDoubling = 0.04;
+double memoryGrowth(double stored, double measured, double perDoubling)
 {
-    constexpr double kPerDoubling = 0.07;
-    return measured > 0.0 && stored > measured ? 1.0 + kPerDoubling * std::log2(stored / measured) : 1.0;
+    return measured > 0.0 && stored > measured ? 1.0 + perDoubling * std::log2(stored / measured) : 1.0;
 }
 
 } // namespace
@@ -54,12 +55,13 @@ void CostModel::fitGather(std::span<const GatherSample> samples)
 double CostModel::seconds(int depth, double count, double photons) const
 {
     const double stored = std::max(photons * storedPerPhoton, 2.0);
-    double perGroup = shootPerPhoton * photons + treePerNLogN * stored * std::log2(stored);
+    const double tree = treePerNLogN * memoryGrowth(stored, measuredWith, kTreePerDoubling);
+    double perGroup = shootPerPhoton * photons + tree * stored * std::log2(stored);
     double once = fixedSeconds;
     for (const Depth& d : depths) {
         if (d.depth != depth) continue;
         once += d.buildSeconds;
-        const double each = gatherPerPhoton * memoryGrowth(stored, gatheredFrom);
+        const double each = gatherPerPhoton * memoryGrowth(stored, measuredWith, kGatherPerDoubling);
         perGroup += d.entries * (gatherBase + each * count + areaBase + areaPerRatio * count / std::max(photons, 1.0));
     }
     return once + groups * perGroup;

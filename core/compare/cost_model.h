@@ -16,7 +16,7 @@ struct GatherSample {
 /// Sums of what the stages cost, each as it grows:
 ///   rays, lamps, reach, area: fixed        shoot: N         tree: M log2 M for M photons stored
 ///   octree of depth d: as measured         gather: entries (base + each K + area(K/N)), per light group;
-///   each grows a little with the map's size, since photons of large maps are fetched from further away
+///   gather and tree grow a little with the map's size, since photons of large maps are fetched from further away
 struct CostModel {
     double fixedSeconds = 0;
     double groups = 1;                          ///< lamps that are on
@@ -25,7 +25,7 @@ struct CostModel {
     double treePerNLogN = 0;                    ///< seconds
     double gatherBase = 0, gatherPerPhoton = 0; ///< seconds per entry, and per entry and photon of K
     double areaBase = 0, areaPerRatio = 0;      ///< seconds per entry, and per entry and unit of K/N
-    double gatheredFrom = 0; ///< photons stored per group when these were measured; 0: as many as there will be
+    double measuredWith = 0; ///< photons stored per group when all this was measured; 0: as many as there will be
 
     struct Depth {
         int depth = 0;

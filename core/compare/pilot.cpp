@@ -102,7 +102,7 @@ private:
         c.groups = groups / static_cast<double>(shots_.size());
         c.shootPerPhoton = shootSeconds / all;
         c.storedPerPhoton = stored / all;
-        c.gatheredFrom = stored / std::max(groups, 1.0);
+        c.measuredWith = stored / std::max(groups, 1.0);
         c.treePerNLogN = nLogN > 0.0 ? treeSeconds / nLogN : 0.0;
     }
 
