@@ -158,6 +158,26 @@ private Q_SLOTS:
         QVERIFY(std::memcmp(on.probes.data(), whole.probes.data(), probes.size() * sizeof(ProbeLight)) == 0);
     }
 
+    void aTargetCountsThePhotonsOwnLight() // paths alone find nothing here, and a share of nothing is never reached
+    {
+        const MirrorScene mirror;
+        const std::vector<ProbePoint> probes{onFloor(0.8, 0.1), onFloor(1.1, 0.5)};
+        ReferenceJob job;
+        job.paths = 1 << 20;
+        job.targetError = 0.1f;
+        Workers workers(2);
+        const ReferenceResult r =
+            referenceIlluminance(*mirror.lit.rays, *mirror.lit.lights, {}, probes, job, workers, {});
+        QCOMPARE(r.finished, probes.size());
+        QVERIFY2(r.causticPhotons < mostCausticPhotons(job) / 20, qPrintable(QString::number(r.causticPhotons)));
+        double squares = 0.0, light = 0.0;
+        for (const ProbeLight& p : r.probes) {
+            squares += double(p.indirectError.x) * double(p.indirectError.x) / 2.0;
+            light += double(p.indirect.x) / 2.0;
+        }
+        QVERIFY2(std::sqrt(squares) <= 0.1 * light, qPrintable(QString::number(std::sqrt(squares) / light)));
+    }
+
     void discsKeepClearOfWalls()
     {
         const LitScene cube(cavityCube(0.5f));

@@ -76,9 +76,12 @@ void CompareDesk::setMix(const Mix& mix)
 
 void CompareDesk::setView(const BakeView& view)
 {
-    const bool isFirst = !view_.rays;
-    view_ = view;
-    worker_.judge(view, shown_.value_or(ErrorKind::relative));
+    const bool isFirst = !view_.rays && view.rays;
+    BakeView next = view;
+    if (!next.rays) next.rays = view_.rays, next.lights = view_.lights; // an overtaken bake's picture brings none
+    if (next.snapshot.field != view_.snapshot.field) forgetErrors();
+    view_ = std::move(next);
+    worker_.judge(view_, shown_.value_or(ErrorKind::relative));
     if (isFirst && parts_.reference->isChecked()) delay_.start();
     tellNames();
 }
@@ -113,9 +116,19 @@ void CompareDesk::modeChanged()
     tellNames();
 }
 
+/// Errors need the question, too: a picture that stayed when tracing was stopped comes back from disk.
 void CompareDesk::wantReference()
 {
-    if (!picture_) parts_.reference->setChecked(true);
+    if (!picture_ || (shown_ && serial_ == 0)) parts_.reference->setChecked(true);
+}
+
+/// Errors of another bake must not stand beside this one's light.
+void CompareDesk::forgetErrors()
+{
+    error_.reset();
+    parts_.viewport->setErrors(nullptr);
+    parts_.panel->forgetErrors();
+    tellLegend();
 }
 
 /// What was computed is of another view: it goes at once, and a new one is asked for when things rest.
@@ -124,10 +137,8 @@ void CompareDesk::viewChanged()
     serial_ = 0;
     problem_.clear();
     picture_.reset();
-    error_.reset();
     parts_.viewport->setReference(nullptr);
-    parts_.viewport->setErrors(nullptr);
-    parts_.panel->forgetErrors();
+    forgetErrors();
     worker_.cancel();
     if (parts_.reference->isChecked()) delay_.start();
     tellState();
@@ -219,6 +230,10 @@ void CompareDesk::take(const ErrorPicture& picture)
     const bool isOther =
         picture.error && ((shown_ && picture.error->kind != *shown_) || picture.snapshot.field != view_.snapshot.field);
     if (picture.serial != serial_ || isOther) return;
+    if (picture.isGivenUp) {
+        problem_ = picture.problem;
+        tellState();
+    }
     error_ = picture.error;
     parts_.viewport->setErrors(error_);
     parts_.panel->show(picture);

@@ -50,6 +50,7 @@ private:
     void ask();
     void turn(bool on);
     void wantReference(); ///< something that is shown needs one
+    void forgetErrors();
     void take(const ReferencePicture& picture);
     void take(const ErrorPicture& picture);
     void tellNames();

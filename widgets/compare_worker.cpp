@@ -60,13 +60,33 @@ void CompareWorker::work(const std::stop_token& quit)
     while (true) {
         std::unique_lock lock(mutex_);
         const auto isTurn = [&] { return !isHeld_ && (hasNews() || isBusy()); };
-        if (!wake_.wait(lock, quit, isTurn) || quit.stop_requested()) return;
-        std::stop_source slice;
-        running_ = slice;
-        const std::stop_callback linked(quit, [&slice] { slice.request_stop(); });
-        takeNews(desk, lock); // leaves it unlocked
-        if (isBusy()) workOn(desk, workers, slice.get_token());
+        const bool isQuit = !wake_.wait(lock, quit, isTurn) || quit.stop_requested();
+        try {
+            if (isQuit) {
+                lock.unlock();
+                if (desk.live) desk.live->keepPart();
+                return;
+            }
+            std::stop_source slice;
+            running_ = slice;
+            const std::stop_callback linked(quit, [&slice] { slice.request_stop(); });
+            takeNews(desk, lock); // leaves it unlocked
+            if (isBusy()) workOn(desk, workers, slice.get_token());
+        } catch (const std::bad_alloc&) {
+            if (isQuit) return;
+            giveUp(desk);
+        }
     }
+}
+
+void CompareWorker::giveUp(Desk& desk)
+{
+    desk.live.reset();
+    ErrorPicture none;
+    none.serial = desk.serial;
+    none.isGivenUp = true;
+    none.problem = tr("The reference picture needs more memory than there is; make the window smaller");
+    Q_EMIT judged(none);
 }
 
 /// Gives up the lock before anything that takes time.
@@ -99,21 +119,13 @@ void CompareWorker::takeNews(Desk& desk, std::unique_lock<std::mutex>& lock)
 void CompareWorker::workOn(Desk& desk, Workers& workers, const std::stop_token& stop)
 {
     LiveCompare& live = *desk.live;
-    try {
-        if (live.wantsField()) {
-            if (live.advanceField(workers, stop)) tellError(desk);
-            return;
-        }
-        if (!live.advanceReference(workers, stop)) return;
-        tellReference(desk);
-        tellError(desk);
-    } catch (const std::bad_alloc&) {
-        desk.live.reset();
-        ErrorPicture none;
-        none.serial = desk.serial;
-        none.problem = tr("The reference picture needs more memory than there is; make the window smaller");
-        Q_EMIT judged(none);
+    if (live.wantsField()) {
+        if (live.advanceField(workers, stop)) tellError(desk);
+        return;
     }
+    if (!live.advanceReference(workers, stop)) return;
+    tellReference(desk);
+    tellError(desk);
 }
 
 void CompareWorker::tellReference(const Desk& desk)

@@ -26,6 +26,7 @@ struct ErrorPicture {
     QString problem;
     std::uint64_t serial = 0; ///< of the reference's question
     Snapshot snapshot;        ///< what was judged
+    bool isGivenUp = false;   ///< the question is dropped, and why stands in `problem`
 };
 
 /// One thread of low priority that traces the picture which bakes are held against, and judges them. While held (a bake
@@ -60,6 +61,7 @@ private:
     void work(const std::stop_token& quit);
     void takeNews(Desk& desk, std::unique_lock<std::mutex>& lock);
     void workOn(Desk& desk, Workers& workers, const std::stop_token& stop);
+    void giveUp(Desk& desk);
     void tellReference(const Desk& desk);
     void tellError(const Desk& desk);
 

@@ -196,6 +196,7 @@ void MainWindow::setScene(std::shared_ptr<const DrawData> opened, const QString&
     }
     showNotes();
     rememberFile(file);
+    sceneSerial_ = jobSerial_ + 1;
     startBake(true);
     Q_EMIT sceneOpened();
 }
@@ -320,6 +321,7 @@ void MainWindow::useMix()
 
 void MainWindow::takeView(const BakeView& view)
 {
+    if (view.snapshot.serial < sceneSerial_) return;                                          // of the scene before
     if (view.snapshot.serial < jobSerial_ && rowSerial_ && *rowSerial_ == jobSerial_) return; // overtaken
     if (rowSerial_ != view.snapshot.serial) {
         snapshots_->clear();

@@ -135,6 +135,7 @@ private:
     Mix bakedMix_;                   ///< of the newest job: groups that are off in it have no layer
     Mix mix_;
     std::uint64_t mixSerial_ = 0, jobSerial_ = 0;
+    std::uint64_t sceneSerial_ = 0;          ///< the scene's first job
     std::optional<std::uint64_t> rowSerial_; ///< job whose snapshots stand in the row
     bool isBaking_ = false;
     BakeParams bakedParams_;

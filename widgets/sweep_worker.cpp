@@ -102,16 +102,21 @@ Result<Done> SweepWorker::run(const SweepOrder& order, BakeProducts& products, W
                              Q_EMIT progressed({false, p.fraction, p.remainingSeconds, order.serial});
                          }},
                         stop);
+    struct Forget { // however the sweep ends
+        SweepWorker& worker;
+        ~Forget()
+        {
+            std::lock_guard lock(worker.mutex_);
+            worker.control_ = nullptr;
+        }
+    } forget{*this};
     {
         std::lock_guard lock(mutex_);
         control_ = &control;
         control.setPaused(isHeld_);
     }
-    Result<Done> done = runSweep(order.plan, *judged, {}, products, control,
-                                 [&](SweepRow row) { Q_EMIT rowDone(order.serial, std::move(row)); });
-    std::lock_guard lock(mutex_);
-    control_ = nullptr;
-    return done;
+    return runSweep(order.plan, *judged, {}, products, control,
+                    [&](SweepRow row) { Q_EMIT rowDone(order.serial, std::move(row)); });
 }
 
 /// A reference cannot be paused, but stopped and gone on with.

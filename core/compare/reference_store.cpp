@@ -11,7 +11,7 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Rises whenever the reference computes another number, or a file's form changes: older entries are then not found.
-constexpr std::uint32_t kVersion = 3;
+constexpr std::uint32_t kVersion = 4;
 constexpr std::string_view kMagic = "LLREF\n";
 
 /// Everything that all jobs of one question share. Two references with one key differ in how long they were traced.
@@ -140,7 +140,8 @@ private:
         if (result.finished < probes_) return false;
         const bool isSame = head == Head{job_.paths, job_.targetError};
         if (isSame || match_ == ReferenceMatch::sameBits) return isSame;
-        if (result.leastPaths >= static_cast<std::uint64_t>(job_.paths)) return true;
+        const bool hasPhotons = result.causticPhotons == 0 || result.causticPhotons >= mostCausticPhotons(job_);
+        if (hasPhotons && result.leastPaths >= static_cast<std::uint64_t>(job_.paths)) return true;
         return job_.targetError > 0.0f && meets(result, job_.targetError);
     }
     /// True if going on from the entry ends where the job would have come from nothing.

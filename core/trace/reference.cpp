@@ -143,21 +143,27 @@ glm::dvec2 goalOf(const std::vector<Sums>& probes, float target)
     return sum * (static_cast<double>(target) / glm::max(1.0, static_cast<double>(probes.size())));
 }
 
+constexpr std::uint64_t kLeastRounds = 16;
+
 /// Rounds of photons that go with the paths.
-std::uint64_t roundsOf(const ReferenceJob& job) { return std::max<std::uint64_t>(16, mostBatches(job)); }
+std::uint64_t roundsOf(const ReferenceJob& job) { return std::max(kLeastRounds, mostBatches(job)); }
 
 CausticJob causticJob(const ReferenceJob& job) { return {job.seed, job.pathDepth}; }
 
 /// True once the errors of the photons' share are within the goal for indirect light, over all probes: one number for
-/// all, so that hardly any probe's own noise ends the run.
-bool isFineEnough(const std::vector<CausticSums>& sums, double goal)
+/// all, so that hardly any probe's own noise ends the run. The goal knows the paths' light; the photons' counts, too.
+bool isFineEnough(const ReferenceState& state, const ReferenceJob& job)
 {
-    double squares = 0.0;
-    for (const CausticSums& s : sums) {
+    if (!isAdaptive(job) || state.causticRounds < kLeastRounds) return false;
+    double squares = 0.0, light = 0.0;
+    for (const CausticSums& s : state.caustics) {
         const double error = static_cast<double>(luminance(glm::vec3(s.standardError())));
         squares += error * error;
+        light += static_cast<double>(luminance(glm::vec3(s.mean())));
     }
-    return squares <= goal * goal * static_cast<double>(sums.size());
+    const auto count = static_cast<double>(state.caustics.size());
+    const double goal = state.goal.y + static_cast<double>(job.targetError) * light / count;
+    return squares <= goal * goal * count;
 }
 
 /// Goes on with the rounds until there are enough. False: stopped.
@@ -173,8 +179,7 @@ bool traceCaustics(const RayScene& rays, const CausticLamps& lamps, const std::v
     }
     const std::uint64_t rounds = roundsOf(job);
     while (state.causticRounds < rounds) {
-        const bool hasGoal = isAdaptive(job) && state.causticRounds >= 16;
-        if (hasGoal && isFineEnough(state.caustics, state.goal.y)) return true;
+        if (isFineEnough(state, job)) return true;
         if (!addCausticRound(rays, lamps, causticJob(job), state.causticRounds, discs, state.caustics, workers, stop))
             return false;
         ++state.causticRounds;
@@ -186,8 +191,7 @@ bool traceCaustics(const RayScene& rays, const CausticLamps& lamps, const std::v
 /// True if the rounds that the job asks for are all there.
 bool hasAllRounds(const ReferenceState& state, const ReferenceJob& job)
 {
-    if (state.caustics.empty() || state.causticRounds >= roundsOf(job)) return true;
-    return isAdaptive(job) && state.causticRounds >= 16 && isFineEnough(state.caustics, state.goal.y);
+    return state.caustics.empty() || state.causticRounds >= roundsOf(job) || isFineEnough(state, job);
 }
 
 void addCaustics(const ReferenceState& state, const ReferenceJob& job, ReferenceResult& result)
@@ -210,6 +214,8 @@ void addCaustics(const ReferenceState& state, const ReferenceJob& job, Reference
 }
 
 } // namespace
+
+std::uint64_t mostCausticPhotons(const ReferenceJob& job) { return roundsOf(job) * causticJob(job).photons; }
 
 ReferenceResult resultOf(const ReferenceState& state, const ReferenceJob& job)
 {

@@ -47,6 +47,9 @@ struct ReferenceResult {
     double causticRadius = 0.0;       ///< metres over which their light is averaged: mean over rounds and probes
 };
 
+/// Photons that a job without a target shoots for small lamps by way of mirrors, where there are such.
+[[nodiscard]] std::uint64_t mostCausticPhotons(const ReferenceJob& job);
+
 /// Path-traced illuminance at probes: the judge of all caches. Shares the scene, the emitters and Embree with them and
 /// no approximation. Cosine-distributed first directions, jittered 8 x 8 per batch; next event estimation and lobe
 /// sampling joined by the balance heuristic, for direct light too; roulette after the third bounce; no clamp.
