@@ -127,7 +127,7 @@ private Q_SLOTS:
     {
         BakeJob job = cornell();
         job.params.octreeDepth = 6, job.params.gatherCount = 77, job.params.vdlCount = 2;
-        BudgetAsked asked{1.5, {}};
+        BudgetAsked asked{12.0, {}}; // plenty, also where code runs slowly
         asked.isDepthSet = asked.isCountSet = true;
         const Result<BudgetPlan> p = plan(job, Method::lightOctree, asked);
         QVERIFY2(static_cast<bool>(p), p ? "" : p.error().message.c_str());
