@@ -8,6 +8,7 @@
 #include "core/scene/sample_scenes.h"
 #include "core/scene/scene_builder.h"
 #include "tests/bake_helpers.h"
+#include "tests/time_limits.h"
 #include <QtTest>
 #include <cmath>
 
@@ -127,7 +128,7 @@ private Q_SLOTS:
     {
         BakeJob job = cornell();
         job.params.octreeDepth = 6, job.params.gatherCount = 77, job.params.vdlCount = 2;
-        BudgetAsked asked{12.0, {}}; // plenty, also where code runs slowly
+        BudgetAsked asked{1.5 * kSanitizerSlowdown, {}};
         asked.isDepthSet = asked.isCountSet = true;
         const Result<BudgetPlan> p = plan(job, Method::lightOctree, asked);
         QVERIFY2(static_cast<bool>(p), p ? "" : p.error().message.c_str());
