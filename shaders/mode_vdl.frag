@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 330 core
-// Indirect light from a light octree (core/bake/gpu_layout.h): the eight leaves around a point, in each the entry
-// nearest the receiver's normal, renormalised over the leaves that answer. Same rule as LightOctree::lookup.
+// Indirect light from a light octree (core/bake/gpu_layout.h). Same rule as LightOctree::lookup.
 #include "shared_limits.glsl"
 #include "common_octree.glsl"
 #include "common_shading.glsl"
@@ -11,6 +10,7 @@ uniform usampler3D bricks;
 uniform usampler2D vdls, normals;
 uniform int depth;
 uniform int vdlCount;
+uniform int hasDirections;
 uniform int vdlWidth, normalWidth;
 uniform vec3 lowest;
 uniform float cellSize;
@@ -21,33 +21,46 @@ uniform int showIlluminance; // 1: lux on the surface instead of radiance
 
 out vec4 radiance;
 
-// First entry (x) and number of entries (y) of the leaf at `cell`; none: y = 0.
-ivec2 leafAt(ivec3 cell)
+uvec4 brickAt(ivec3 texel)
 {
-    if (!octreeHolds(cell, depth)) return ivec2(0);
-    ivec3 brick = ivec3(0);
-    for (int level = 0; level < depth; ++level) {
-        uvec4 texel = texelFetch(bricks, brickTexel(brick, octreeChild(cell, level, depth)), 0);
-        if (!texelIsNode(texel)) return ivec2(texelAddress(texel), texelEntries(texel));
-        brick = texelBrick(texel);
-    }
-    return ivec2(0);
+    return texelFetch(bricks, texel, 0);
 }
 
-// Entry whose normal is nearest n, or -1 where none is compatible.
-int entryFor(ivec2 leaf, vec3 n)
+uvec4 vdlAt(int number)
 {
-    int best = -1;
-    float bestCosine = kCompatible;
-    for (int e = leaf.x; e < leaf.x + leaf.y; ++e) {
-        uvec4 bytes = texelFetch(normals, rowTexel(e, normalWidth), 0);
-        float cosine = dot(directionValue(bytes.x, bytes.y), n);
-        if (cosine > bestCosine) {
-            bestCosine = cosine;
-            best = e;
+    return texelFetch(vdls, rowTexel(number, vdlWidth), 0);
+}
+
+uvec2 normalAt(int entry)
+{
+    return texelFetch(normals, rowTexel(entry, normalWidth), 0).xy;
+}
+
+#include "octree_walk.glsl"
+
+// What a metal sends to the eye of the virtual lights around p, cd/m2.
+vec3 glossyRadiance(vec3 p, vec3 n, vec3 f0, float alpha, vec3 toEye)
+{
+    vec3 at = octreePosition(p, lowest, cellSize) - 0.5;
+    ivec3 cell = ivec3(floor(at));
+    vec3 part = at - floor(at);
+    float weights = 0.0;
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < 8; ++i) {
+        ivec3 corner = ivec3(i & 1, (i >> 1) & 1, (i >> 2) & 1);
+        float weight = cornerWeight(part, corner);
+        if (weight <= 0.0) continue;
+        int entry = entryFor(cell + corner, n);
+        if (entry < 0) continue;
+        weights += weight;
+        for (int j = 0; j < vdlCount; ++j) {
+            uvec4 texel = vdlAt(entry * vdlCount + j);
+            if ((texel.x | texel.y | texel.z) == 0u) break;
+            vec3 colour = vec3(halfValue(texel.x), halfValue(texel.y), halfValue(texel.z)) * weight;
+            sum += colour * metalReflects(f0, alpha, n, directionValue(texel.w >> 8u, texel.w & 255u), toEye);
         }
     }
-    return best;
+    return weights > 0.0 ? sum * (colourScale / weights) : vec3(0.0);
 }
 
 void main()
@@ -58,38 +71,18 @@ void main()
     vec4 normal = texelFetch(gNormal, pixel, 0);
     vec4 base = texelFetch(gBase, pixel, 0);
     vec3 n = normal.xyz;
-    vec3 toEye = normalize(eye - place.xyz);
-    vec3 f0 = base.xyz * base.w;
-    float alpha = max(normal.w * normal.w, kLeastGloss);
-
-    vec3 at = octreePosition(place.xyz, lowest, cellSize) - 0.5;
-    ivec3 cell = ivec3(floor(at));
-    vec3 part = at - floor(at);
-    float weights = 0.0;
-    vec3 illuminance = vec3(0.0), glossy = vec3(0.0);
-    for (int i = 0; i < 8; ++i) {
-        ivec3 corner = ivec3(i & 1, (i >> 1) & 1, (i >> 2) & 1);
-        float weight = cornerWeight(part, corner);
-        if (weight <= 0.0) continue;
-        ivec2 leaf = leafAt(cell + corner);
-        if (leaf.y == 0) continue;
-        int entry = entryFor(leaf, n);
-        if (entry < 0) continue;
-        weights += weight;
-        for (int j = 0; j < vdlCount; ++j) {
-            uvec4 texel = texelFetch(vdls, rowTexel(entry * vdlCount + j, vdlWidth), 0);
-            if ((texel.x | texel.y | texel.z) == 0u) continue;
-            vec3 colour = vec3(halfValue(texel.x), halfValue(texel.y), halfValue(texel.z)) * weight;
-            vec3 toLight = directionValue(texel.w >> 8u, texel.w & 255u);
-            illuminance += vdlIlluminance(colour, toLight, n);
-            if (base.w > 0.0) glossy += colour * metalReflects(f0, alpha, n, toLight, toEye);
-        }
-    }
-    if (weights <= 0.0) discard; // no entry near: the picture shows direct light only
-    float scale = colourScale / weights;
+    vec4 light = octreeIlluminance(place.xyz, n);
+    if (light.w <= 0.0) discard; // no entry near: the picture shows direct light only
     if (showIlluminance == 1) {
-        radiance = vec4(illuminance * scale, 1.0);
-    } else {
-        radiance = vec4((lambert(base.xyz * (1.0 - base.w), illuminance) + glossy) * scale, 1.0);
+        radiance = vec4(light.xyz, 1.0);
+        return;
     }
+    // a colour octree has nothing that a gloss could mirror: metals are lit like matt paint
+    float metal = hasDirections == 1 ? base.w : 0.0;
+    vec3 glossy = vec3(0.0);
+    if (metal > 0.0) {
+        vec3 toEye = normalize(eye - place.xyz);
+        glossy = glossyRadiance(place.xyz, n, base.xyz * metal, max(normal.w * normal.w, kLeastGloss), toEye);
+    }
+    radiance = vec4(lambert(base.xyz * (1.0 - metal), light.xyz) + glossy, 1.0);
 }

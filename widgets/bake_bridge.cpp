@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "widgets/bake_bridge.h"
 #include "core/octree/octree_solver.h"
+#include "core/photonmap/photon_map_solver.h"
 #include "core/photonmap/photon_products.h"
 #include "widgets/background.h"
 #include <thread>
@@ -19,6 +20,14 @@ std::shared_ptr<const std::vector<SurfacePoint>> noisePointsOf(const SceneProduc
         std::make_shared<const Points>(samplePoints(*scene.rays, *scene.lights, *scene.reach, kNoisePoints, 1));
     products.keep(scene.key, points);
     return points;
+}
+
+/// The photon map of a bake that is under way; null if it is not all there.
+std::shared_ptr<const PhotonMapField> photonsOf(const BakeJob& job, const SceneProducts& scene, BakeProducts& products)
+{
+    const std::optional<PhotonProducts> kept = keptPhotons(job, scene, products);
+    if (!kept) return nullptr;
+    return photonMapField(job.params, job.scene->bounds, kept->area, kept->maps, job.mix);
 }
 
 } // namespace
@@ -48,7 +57,7 @@ BakeBridge::~BakeBridge() { session_.reset(); } // while the signals it may stil
 std::uint64_t BakeBridge::start(BakeJob job, bool urgent)
 {
     std::lock_guard lock(mutex_); // the worker must not publish before the serial's scene is known
-    scene_ = job.scene;
+    job_ = job;
     serial_ = session_->post(std::move(job), urgent);
     return serial_;
 }
@@ -74,7 +83,7 @@ void BakeBridge::publish(Snapshot snapshot)
         std::lock_guard lock(mutex_);
         mix = mix_;
         serial = mixSerial_;
-        if (serial_ == view.snapshot.serial) job.scene = scene_;
+        if (serial_ == view.snapshot.serial) job = job_;
     }
     view.cpuSeconds = allCpuSeconds(session_->products().counters.stages);
     // the solver made these for the same scene, so that this only finds them; a newer job will publish its own
@@ -85,7 +94,10 @@ void BakeBridge::publish(Snapshot snapshot)
             view.rays = found->rays;
             view.lights = found->lights;
             // a rough picture must not wait, and says nothing of the bake's noise
-            if (!view.snapshot.isRough) view.noisePoints = noisePointsOf(*found, session_->products());
+            if (!view.snapshot.isRough) {
+                view.noisePoints = noisePointsOf(*found, session_->products());
+                view.photons = photonsOf(job, *found, session_->products());
+            }
         }
     }
     Q_EMIT shown(withMix(std::move(view), mix, serial));

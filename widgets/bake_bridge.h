@@ -36,8 +36,8 @@ private:
     std::mutex mutex_;
     Mix mix_;
     std::uint64_t mixSerial_ = 0;
-    std::shared_ptr<const Scene> scene_; ///< of the newest job
-    std::uint64_t serial_ = 0;           ///< of the newest job
+    BakeJob job_;              ///< the newest
+    std::uint64_t serial_ = 0; ///< its
     std::unique_ptr<Workers> workers_;
     std::unique_ptr<BakeSession> session_;
 };

@@ -8,6 +8,7 @@ BakeView withMix(BakeView view, const Mix& mix, std::uint64_t mixSerial)
 {
     view.mixSerial = mixSerial;
     view.snapshot.field = view.snapshot.field->withMix(mix);
+    if (view.photons) view.photons = std::static_pointer_cast<const PhotonMapField>(view.photons->withMix(mix));
     view.noise = view.noisePoints ? statedNoise(*view.snapshot.field, *view.noisePoints) : std::nullopt;
     const auto octree = std::dynamic_pointer_cast<const LightOctree>(view.snapshot.field);
     if (!octree) {
@@ -15,15 +16,20 @@ BakeView withMix(BakeView view, const Mix& mix, std::uint64_t mixSerial)
                            .arg(QString::fromStdString(std::string(view.snapshot.field->method())));
         return view;
     }
+    const auto colours = octree->showing(OctreeShow::colour);
+    view.colours = colours;
     Result<GpuOctree> gpu = makeGpuOctree(*octree);
-    if (!gpu) {
+    Result<GpuOctree> gpuOfColours = gpu ? makeGpuOctree(*colours) : gpu;
+    if (!gpuOfColours) {
         view.gpu.reset();
-        view.problem = QString::fromStdString(gpu.error().message);
+        view.gpuOfColours.reset();
+        view.problem = QString::fromStdString(gpuOfColours.error().message);
         return view;
     }
     view.leaves = gpu->leafCount;
     view.entries = gpu->entryCount;
     view.gpu = std::make_shared<const GpuOctree>(std::move(*gpu));
+    view.gpuOfColours = std::make_shared<const GpuOctree>(std::move(*gpuOfColours));
     view.problem.clear();
     return view;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "core/bake/gpu_layout.h"
-#include "core/field/bake_control.h"
+#include "core/photonmap/photon_map_solver.h"
 #include "core/trace/light_reach.h"
 #include <QMetaType>
 #include <QString>
@@ -14,9 +14,12 @@ namespace lightloom {
 
 /// A refinement of a bake, ready for the viewport: made on a worker, never changed afterwards, cheap to copy.
 struct BakeView {
-    Snapshot snapshot;                    ///< its field is under the mix numbered `mixSerial`
-    std::shared_ptr<const GpuOctree> gpu; ///< null: the layout was refused, see `problem`
-    QString problem;                      ///< why there is nothing to show; empty: there is
+    Snapshot snapshot;                             ///< its field is under the mix numbered `mixSerial`
+    std::shared_ptr<const GpuOctree> gpu;          ///< null: the layout was refused, see `problem`
+    std::shared_ptr<const IndirectField> colours;  ///< the snapshot's field as a colour octree
+    std::shared_ptr<const GpuOctree> gpuOfColours; ///< the same for the viewport; as `gpu`
+    QString problem;                               ///< why there is nothing to show; empty: there is
+    std::shared_ptr<const PhotonMapField> photons; ///< that it was baked from, under the same mix; null: not known
     std::uint64_t mixSerial = 0;
     std::shared_ptr<const RayScene> rays;                         ///< of the same scene, for measuring direct light
     std::shared_ptr<const LightSampler> lights;                   ///< of the same scene

@@ -205,14 +205,23 @@ void CompareDesk::tellState()
 void CompareDesk::tellLegend()
 {
     const bool isReference = parts_.viewport->mode() == ViewMode::reference;
-    parts_.legend->setVisible(shown_ || isReference);
-    if (shown_ && error_) {
+    const bool isPhotonMap = parts_.viewport->mode() == ViewMode::photonMap;
+    parts_.legend->setVisible(shown_ || isReference || isPhotonMap);
+    if (isPhotonMap && !shown_) {
+        parts_.legend->show(nullptr, photonState_);
+    } else if (shown_ && error_) {
         parts_.legend->show(error_, captionOf(*error_));
     } else if (shown_ || !picture_) {
         parts_.legend->show(nullptr, tr("Light of the bake meanwhile. Reference: %1").arg(parts_.panel->stateText()));
     } else {
         parts_.legend->show(nullptr, tr("Reference: %1").arg(parts_.panel->stateText()));
     }
+}
+
+void CompareDesk::showPhotonState(const QString& text)
+{
+    photonState_ = text;
+    tellLegend();
 }
 
 void CompareDesk::take(const ReferencePicture& picture)
@@ -249,9 +258,13 @@ void CompareDesk::tellNames()
     } else if (!shown_ && picture_->noise >= 0.0) {
         left += tr(", noise %1 %").arg(100.0 * picture_->noise, 0, 'f', 1);
     }
-    QString right = view_.snapshot.isRough ? tr("Octree, rough") : tr("Octree, depth %1").arg(view_.snapshot.level);
-    if (parts_.viewport->mode() == ViewMode::direct) right = tr("Direct light");
-    if (parts_.viewport->mode() == ViewMode::plain) right = tr("Plain");
+    const ViewMode mode = parts_.viewport->mode();
+    const QString name = mode == ViewMode::colours ? tr("Colour octree") : tr("Octree");
+    QString right =
+        view_.snapshot.isRough ? tr("%1, rough").arg(name) : tr("%1, depth %2").arg(name).arg(view_.snapshot.level);
+    if (mode == ViewMode::photonMap) right = tr("Photon map");
+    if (mode == ViewMode::direct) right = tr("Direct light");
+    if (mode == ViewMode::plain) right = tr("Plain");
     parts_.handle->setNames(left, right);
 }
 

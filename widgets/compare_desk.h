@@ -34,7 +34,8 @@ public:
     void setBaking(bool isBaking); ///< and not paused
     /// What is shown in place of light; nothing: light.
     void showErrors(std::optional<ErrorKind> kind);
-    void modeChanged(); ///< the viewport's
+    void modeChanged();                        ///< the viewport's
+    void showPhotonState(const QString& text); ///< in the legend, while the mode is the photon map's
 
     [[nodiscard]] bool isTracing() const;
     [[nodiscard]] const std::optional<ReferencePicture>& reference() const { return picture_; } ///< of this view
@@ -64,7 +65,8 @@ private:
     Mix mix_;
     BakeView view_;
     std::optional<ErrorKind> shown_;
-    QString problem_;          ///< why no reference can be traced; empty: it can
+    QString problem_; ///< why no reference can be traced; empty: it can
+    QString photonState_;
     std::uint64_t serial_ = 0; ///< of the question that fits what is seen; 0: none was asked
     std::optional<ReferencePicture> picture_;
     std::shared_ptr<const ViewError> error_;

@@ -7,6 +7,7 @@
 #include "widgets/edit_command.h"
 #include "widgets/message_bar.h"
 #include "widgets/param_panel.h"
+#include "widgets/photon_desk.h"
 #include "widgets/scene_dock.h"
 #include "widgets/scene_loader.h"
 #include "widgets/snapshot_bar.h"
@@ -86,6 +87,7 @@ MainWindow::~MainWindow()
 {
     // workers first: what they still send finds no window then
     delete compareDesk_;
+    delete photonDesk_;
     delete bridge_;
     delete worker_;
     delete loader_;
@@ -142,7 +144,7 @@ void MainWindow::connectWorkers()
     });
     connect(viewport_, &Viewport::hovered, this, [this](bool isOnSurface, glm::vec3 p, glm::vec3 n) {
         if (isOnSurface && snapshots_->shown() != nullptr) {
-            worker_->measure(*snapshots_->shown(), mix_, p, n);
+            worker_->measure(asShown(*snapshots_->shown()), mix_, p, n);
         } else {
             showMeasurement({});
         }
@@ -191,6 +193,7 @@ void MainWindow::setScene(std::shared_ptr<const DrawData> opened, const QString&
     }
     sweepPanel_->setScene(data_->scene, file);
     if (compareDesk_ != nullptr) {
+        photonDesk_->forget();
         compareDesk_->setScene(file);
         compareDesk_->setMix(mix_);
     }
@@ -248,6 +251,7 @@ void MainWindow::tellBusy()
     const bool isBusy = isBaking_ && !bridge_->isPaused();
     if (viewport_ != nullptr) viewport_->setBusy(isBusy);
     if (compareDesk_ != nullptr) compareDesk_->setBaking(isBusy);
+    if (photonDesk_ != nullptr) photonDesk_->setBaking(isBusy);
     const bool isTracing = compareDesk_ != nullptr && compareDesk_->isTracing();
     sweepPanel_->holdFor(isBusy      ? tr("Waits for the bake")
                          : isTracing ? tr("Waits for the reference; R stops it")
@@ -338,7 +342,7 @@ void MainWindow::showView(const BakeView& view)
     if (!view.problem.isEmpty()) messages_->show(view.problem);
     if (view.mixSerial != mixSerial_) worker_->mix(view, mix_, mixSerial_);
     if (viewport_ != nullptr) viewport_->setLight(view);
-    if (compareDesk_ != nullptr && view.mixSerial == mixSerial_) compareDesk_->setView(view);
+    judgeView();
     bakePanel_->showNoise(view);
     statusNoise_->setText(view.noise ? tr("noise %1 %").arg(100.0 * *view.noise, 0, 'f', 1) : QString());
     const double bytes = static_cast<double>(view.gpu ? view.gpu->memoryBytes() : 0);
@@ -350,6 +354,33 @@ void MainWindow::showView(const BakeView& view)
                                 .arg(QLocale().toString(static_cast<qulonglong>(view.entries)))
                                 .arg(bytes / 1e6, 0, 'f', 1)
                                 .arg(static_cast<double>(view.snapshot.field->memoryBytes()) / 1e6, 0, 'f', 1));
+}
+
+BakeView MainWindow::asShown(BakeView view) const
+{
+    if (viewport_ == nullptr) return view;
+    if (viewport_->mode() == ViewMode::colours && view.colours) view.snapshot.field = view.colours;
+    if (viewport_->mode() == ViewMode::photonMap && photonDesk_->field()) view.snapshot.field = photonDesk_->field();
+    return view;
+}
+
+void MainWindow::judgeView()
+{
+    const BakeView* view = snapshots_->shown();
+    if (compareDesk_ != nullptr && view != nullptr && view->mixSerial == mixSerial_) {
+        photonDesk_->setView(*view);
+        compareDesk_->setView(asShown(*view));
+    }
+}
+
+void MainWindow::setMode(ViewMode mode)
+{
+    if (viewport_ == nullptr) return;
+    viewport_->setMode(mode);
+    photonDesk_->modeChanged();
+    compareDesk_->showPhotonState(photonDesk_->stateText());
+    judgeView();
+    compareDesk_->modeChanged();
 }
 
 void MainWindow::bakeFinished(quint64 serial, const QString& error, bool isCancelled, const WorkCounters& counters)

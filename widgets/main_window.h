@@ -5,6 +5,7 @@
 #include "widgets/gl/draw_data.h"
 #include "widgets/theme.h"
 #include <QElapsedTimer>
+#include <QList>
 #include <QMainWindow>
 #include <QTimer>
 #include <optional>
@@ -29,6 +30,7 @@ class ComparePanel;
 class LegendStrip;
 class MessageBar;
 class ParamPanel;
+class PhotonDesk;
 class SceneDock;
 class SceneLoader;
 class SnapshotBar;
@@ -60,6 +62,7 @@ public:
     [[nodiscard]] SnapshotBar& snapshots() const { return *snapshots_; }
     [[nodiscard]] BakePanel& bakePanel() const { return *bakePanel_; }
     [[nodiscard]] CompareDesk* compareDesk() const { return compareDesk_; } ///< null without OpenGL
+    [[nodiscard]] PhotonDesk* photonDesk() const { return photonDesk_; }    ///< likewise
     [[nodiscard]] ComparePanel& comparePanel() const { return *comparePanel_; }
     [[nodiscard]] SweepPanel& sweepPanel() const { return *sweepPanel_; }
     [[nodiscard]] LegendStrip& legend() const { return *legend_; }
@@ -92,6 +95,9 @@ private:
     void lampEdited(int lamp, bool isDimmed);
     void useMix();
     void showView(const BakeView& view);
+    void setMode(ViewMode mode);
+    void judgeView();                                    ///< hands the light that is shown to those who compare it
+    [[nodiscard]] BakeView asShown(BakeView view) const; ///< its field as the mode shows it
     void takeView(const BakeView& view);
     void bakeFinished(quint64 serial, const QString& error, bool isCancelled, const WorkCounters& counters);
     void showMeasurement(const Measurement& measurement);
@@ -109,7 +115,8 @@ private:
     void buildMenus();
     void showShortcuts();
     QAction* makeAction(const QString& text, const QKeySequence& keys, const QString& tip);
-    void addModeAction(const QString& text, Qt::Key key, ViewMode mode, const QString& tip);
+    QAction* addModeAction(const QString& text, const QKeySequence& keys, ViewMode mode, const QString& tip);
+    QWidget* makeModeButton(); ///< one for all that show a bake
     // main_window_compare.cpp: what the picture is held against
     void makeCompareActions();
     void addShownAction(const QString& text, const QKeySequence& keys, const QString& tip,
@@ -156,6 +163,7 @@ private:
     BakePanel* bakePanel_ = nullptr;
     SnapshotBar* snapshots_ = nullptr;
     CompareDesk* compareDesk_ = nullptr;
+    PhotonDesk* photonDesk_ = nullptr;
     ComparePanel* comparePanel_ = nullptr;
     LegendStrip* legend_ = nullptr;
     SweepPanel* sweepPanel_ = nullptr;
@@ -169,6 +177,7 @@ private:
             *cancel_ = nullptr, *resetParams_ = nullptr, *shortcuts_ = nullptr, *about_ = nullptr, *undo_ = nullptr,
             *redo_ = nullptr, *swapModes_ = nullptr, *lastMode_ = nullptr, *reference_ = nullptr, *wipe_ = nullptr;
     QActionGroup *modes_ = nullptr, *shown_ = nullptr;
+    QList<QAction*> bakeModes_; ///< those of `modes_` that show a bake
 };
 
 } // namespace lightloom

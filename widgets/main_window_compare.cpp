@@ -6,6 +6,7 @@
 #include "widgets/compare_panel.h"
 #include "widgets/legend_strip.h"
 #include "widgets/main_window.h"
+#include "widgets/photon_desk.h"
 #include "widgets/sweep_panel.h"
 #include "widgets/viewport.h"
 #include "widgets/wipe_handle.h"
@@ -86,6 +87,10 @@ void MainWindow::connectCompare()
     auto* handle = new WipeHandle(viewport_);
     compareDesk_ = new CompareDesk({viewport_, comparePanel_, handle, legend_, reference_, wipe_}, this);
     connect(compareDesk_, &CompareDesk::tracing, this, &MainWindow::tellBusy);
+    photonDesk_ = new PhotonDesk(viewport_, this);
+    connect(photonDesk_, &PhotonDesk::stateChanged, this,
+            [this] { compareDesk_->showPhotonState(photonDesk_->stateText()); });
+    connect(photonDesk_, &PhotonDesk::fieldChanged, this, &MainWindow::judgeView);
 }
 
 } // namespace lightloom

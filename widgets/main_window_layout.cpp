@@ -24,15 +24,34 @@
 #include <QStatusBar>
 #include <QTabWidget>
 #include <QToolBar>
+#include <QToolButton>
 #include <QVBoxLayout>
 
 namespace lightloom {
+
+/// The first of the toolbar: the mode that shows the bake, and a menu of the other ones.
+QWidget* MainWindow::makeModeButton()
+{
+    auto* button = new QToolButton;
+    auto* menu = new QMenu(button);
+    menu->addActions(bakeModes_);
+    button->setMenu(menu);
+    button->setPopupMode(QToolButton::MenuButtonPopup);
+    button->setDefaultAction(bakeModes_.first());
+    connect(modes_, &QActionGroup::triggered, button, [this, button](QAction* action) {
+        if (bakeModes_.contains(action)) button->setDefaultAction(action);
+    });
+    return button;
+}
 
 void MainWindow::buildToolbar()
 {
     QToolBar& row = *tools_; // what does not fit goes into its menu
     row.setToolButtonStyle(Qt::ToolButtonTextOnly);
-    row.addActions(modes_->actions());
+    row.addWidget(makeModeButton());
+    for (QAction* action : modes_->actions()) {
+        if (!bakeModes_.contains(action)) row.addAction(action);
+    }
     row.addSeparator();
     row.addAction(indirect_);
     row.addWidget(makeShownButton());

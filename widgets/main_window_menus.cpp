@@ -30,9 +30,9 @@ QAction* MainWindow::makeAction(const QString& text, const QKeySequence& keys, c
     return action;
 }
 
-void MainWindow::addModeAction(const QString& text, Qt::Key key, ViewMode mode, const QString& tip)
+QAction* MainWindow::addModeAction(const QString& text, const QKeySequence& keys, ViewMode mode, const QString& tip)
 {
-    QAction* action = makeAction(text, QKeySequence(key), tip);
+    QAction* action = makeAction(text, keys, tip);
     action->setCheckable(true);
     action->setChecked(mode == ViewMode::octree);
     modes_->addAction(action);
@@ -40,10 +40,8 @@ void MainWindow::addModeAction(const QString& text, Qt::Key key, ViewMode mode, 
     connect(action, &QAction::toggled, this, [this, action](bool on) {
         if (!on) lastMode_ = action;
     });
-    connect(action, &QAction::triggered, this, [this, mode] {
-        if (viewport_ != nullptr) viewport_->setMode(mode);
-        if (compareDesk_ != nullptr) compareDesk_->modeChanged();
-    });
+    connect(action, &QAction::triggered, this, [this, mode] { setMode(mode); });
+    return action;
 }
 
 void MainWindow::makeActions()
@@ -59,8 +57,15 @@ void MainWindow::makeActions()
     redo_->setStatusTip(tr("Make the edit again that was taken back"));
     quit_ = makeAction(tr("&Quit"), QKeySequence::Quit, tr("Close the window"));
     modes_ = new QActionGroup(this);
-    // 2 and 3 are kept for methods that are not here yet
-    addModeAction(tr("&Octree"), Qt::Key_1, ViewMode::octree, tr("Direct light and the baked indirect light"));
+    // 2 and 3 are kept for methods that are not here yet; what shows the same bake in other ways has Alt with it
+    bakeModes_ = {addModeAction(tr("&Octree"), Qt::Key_1, ViewMode::octree,
+                                tr("Direct light and the baked indirect light, from virtual lights")),
+                  addModeAction(tr("&Colour octree"), Qt::ALT | Qt::Key_1, ViewMode::colours,
+                                tr("The same octree without directions: each cell keeps the sum of its light alone")),
+                  addModeAction(tr("Photon &map"), Qt::ALT | Qt::Key_2, ViewMode::photonMap,
+                                tr("Irradiance kept at every 4th photon, the nearest answers; rendered bit by bit"))};
+    bakeModes_[1]->setIconText(tr("Colours")); // the toolbar is short
+    bakeModes_[2]->setIconText(tr("Photons"));
     addModeAction(tr("&Reference"), Qt::Key_4, ViewMode::reference,
                   tr("The path-traced picture, as far as it has come; the octree until then"));
     addModeAction(tr("&Direct"), Qt::Key_5, ViewMode::direct, tr("Light that comes straight from the lamps (preview)"));

@@ -109,7 +109,8 @@ ParamPanel::ParamPanel(Method method, QWidget* parent) : QWidget(parent), preset
         const std::size_t before = rows_.size();
         for (const ParamSpec& spec : kParams) {
             const bool counts = (spec.methods & (1u << static_cast<unsigned>(method))) != 0;
-            if (counts && spec.redo == stage) addRow(spec, *form);
+            const bool isMode = spec.redo == Stage::show && spec.isChoice(); // those are modes of the picture
+            if (counts && spec.redo == stage && !isMode) addRow(spec, *form);
         }
         if (rows_.size() == before) {
             delete title;

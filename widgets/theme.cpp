@@ -58,6 +58,7 @@ void applyTheme(Theme theme)
     const QColor accent = theme == Theme::dark ? dark.accent : light.accent;
     qApp->setStyleSheet(QStringLiteral("QToolButton:checked { background: %1; color: white; border: 1px solid %1; "
                                        "border-radius: 2px; padding: 3px; }"
+                                       "QToolButton[popupMode=\"1\"]:checked { padding-right: 16px; }"
                                        "QStatusBar::item { border: none; } QStatusBar QLabel { padding: 0 6px; }")
                             .arg(accent.name()));
 }

@@ -56,7 +56,7 @@ void Viewport::initializeGL()
         return;
     }
     renderer_ = std::move(*made);
-    sceneIsNew_ = octreeIsNew_ = mixIsNew_ = referenceIsNew_ = errorsAreNew_ =
+    sceneIsNew_ = octreeIsNew_ = coloursAreNew_ = mixIsNew_ = referenceIsNew_ = photonsAreNew_ = errorsAreNew_ =
         true; // what was set before there was a context
 }
 
@@ -74,11 +74,13 @@ void Viewport::setScene(std::shared_ptr<const DrawData> drawn, bool keepCamera)
     const glm::dvec3 moved = keepCamera ? data_->scene->origin - drawn->scene->origin : glm::dvec3(0.0);
     data_ = std::move(drawn);
     octree_.reset();
+    colours_.reset();
     reference_.reset();
+    photons_.reset();
     errors_.reset();
     mix_.clear();
     sceneIsNew_ = mixIsNew_ = true;
-    octreeIsNew_ = false; // the renderer drops the old one with the scene
+    octreeIsNew_ = coloursAreNew_ = false; // the renderer drops the old ones with the scene
     shadowsReady_ = false;
     if (keepCamera) {
         camera_.setBounds(data_->scene->bounds);
@@ -103,7 +105,8 @@ void Viewport::setScene(std::shared_ptr<const DrawData> drawn, bool keepCamera)
 void Viewport::setLight(const BakeView& view)
 {
     octree_ = view.gpu;
-    octreeIsNew_ = true;
+    colours_ = view.gpuOfColours;
+    octreeIsNew_ = coloursAreNew_ = true;
     news();
 }
 
@@ -132,7 +135,7 @@ void Viewport::setMode(ViewMode mode)
 void Viewport::setIndirectOnly(bool only)
 {
     frame_.indirectOnly = only;
-    referenceIsNew_ = true; // of it too
+    referenceIsNew_ = photonsAreNew_ = true; // of them too
     changed();
 }
 
@@ -227,6 +230,10 @@ void Viewport::applyPending()
     Result<Done> outcome = Done{};
     if (sceneIsNew_) outcome = renderer_->setScene(data_);
     if (outcome && octreeIsNew_) outcome = renderer_->setOctree(octree_);
+    if (outcome && coloursAreNew_ && mode_ == ViewMode::colours) { // not before somebody looks
+        outcome = renderer_->setColours(colours_);
+        coloursAreNew_ = false;
+    }
     if (mixIsNew_ || sceneIsNew_) renderer_->setMix(mix_);
     sceneIsNew_ = octreeIsNew_ = mixIsNew_ = false;
     uploadComparison();
@@ -266,11 +273,16 @@ void Viewport::paintGL()
     frameDone(static_cast<double>(clock.nsecsElapsed()) * 1e-6, static_cast<double>(all.nsecsElapsed()) * 1e-6);
 }
 
+bool Viewport::showsBake() const
+{
+    return mode_ == ViewMode::octree || mode_ == ViewMode::colours || mode_ == ViewMode::photonMap;
+}
+
 void Viewport::frameDone(double frameMs, double allMs)
 {
     frameMs_ = frameMs;
     pacer_.drew(scale_, isMoving_ || scale_ < 1.0f, frameMs, allMs);
-    if (needsMetering_ && octree_ && mode_ == ViewMode::octree && overlay() == Overlay::none) meter();
+    if (needsMetering_ && octree_ && showsBake() && !showsPhotons() && overlay() == Overlay::none) meter();
     ++sample_;
     Q_EMIT frameDrawn(frameMs_, !isMoving_ && scale_ == 1.0f);
     if (!data_) return;

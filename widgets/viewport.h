@@ -34,6 +34,8 @@ public:
     /// The path-traced picture of what the camera sees now, shown in reference mode and by the wipe. Null: none (yet);
     /// the octree is shown meanwhile.
     void setReference(std::shared_ptr<const View> picture);
+    /// The photon map's picture of what the camera sees now, for its mode. Null: none (yet); the octree is shown.
+    void setPhotonPicture(std::shared_ptr<const View> picture);
     /// How far the light shown is off it. Null: not known (yet).
     void setErrors(std::shared_ptr<const ViewError> errors);
     void setErrorsShown(bool shown); ///< in place of light, as false colour
@@ -56,6 +58,7 @@ public:
     /// Nothing more will change by itself: full resolution, all shadow maps, smooth edges.
     [[nodiscard]] bool isSettled() const;
     [[nodiscard]] int shadowLayersDrawn() const { return renderer_ ? renderer_->shadowLayersDrawn() : 0; }
+    [[nodiscard]] bool hasPhotonPicture() const { return photons_ != nullptr; }
     [[nodiscard]] const FramePacer& pacer() const { return pacer_; }
     /// Share of the widget's resolution of the last picture.
     [[nodiscard]] float scale() const { return scale_; }
@@ -93,6 +96,8 @@ private:
     void frameDone(double frameMs, double allMs); ///< what a picture sets going
     [[nodiscard]] Overlay overlay() const;        ///< that there is something to show for
     [[nodiscard]] FrameView frameNow() const;     ///< `frame_` with camera, mode and overlay
+    [[nodiscard]] bool showsBake() const;         ///< its indirect light, in whatever way
+    [[nodiscard]] bool showsPhotons() const { return mode_ == ViewMode::photonMap && photons_; }
     void uploadComparison();
     void overlayChanged(Overlay before); ///< what is laid over the picture, or that it is
     void present();                      ///< the same picture again, with what is laid over it as it is now
@@ -109,14 +114,15 @@ private:
     std::unique_ptr<Renderer> renderer_;
     Gl* gl_ = nullptr;
     std::shared_ptr<const DrawData> data_;
-    std::shared_ptr<const GpuOctree> octree_;
-    std::shared_ptr<const View> reference_;
+    std::shared_ptr<const GpuOctree> octree_, colours_;
+    std::shared_ptr<const View> reference_, photons_;
     std::shared_ptr<const ViewError> errors_;
     ViewMode mode_ = ViewMode::octree;
-    bool errorsShown_ = false, referenceIsNew_ = false, errorsAreNew_ = false, presentOnly_ = false;
+    bool errorsShown_ = false, referenceIsNew_ = false, photonsAreNew_ = false, errorsAreNew_ = false,
+         presentOnly_ = false;
     std::optional<float> wipe_;
     Mix mix_;
-    bool sceneIsNew_ = false, octreeIsNew_ = false, mixIsNew_ = false, needsMetering_ = false;
+    bool sceneIsNew_ = false, octreeIsNew_ = false, coloursAreNew_ = false, mixIsNew_ = false, needsMetering_ = false;
     bool isMoving_ = false, shadowsReady_ = false, toldSettled_ = false;
     int sample_ = 0; ///< pictures averaged so far
     float scale_ = 1.0f;

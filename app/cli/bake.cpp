@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/cli/methods.h"
 #include "core/bake/bake_file.h"
+#include "core/bake/gpu_layout.h"
 #include "core/base/atomic_file.h"
 #include "core/compare/field_noise.h"
 #include "core/octree/light_octree.h"
@@ -33,6 +34,19 @@ std::optional<double> noiseOf(const Lighting& lighting)
 
 nlohmann::json vec(glm::dvec3 v) { return {v.x, v.y, v.z}; }
 
+/// Bytes of the arrays that textures are made from; null where a method has none or they would not fit.
+nlohmann::json textureBytes(const IndirectField& field)
+{
+    const auto* octree = dynamic_cast<const LightOctree*>(&field);
+    if (!octree) return nullptr;
+    const Result<GpuOctree> gpu = makeGpuOctree(*octree);
+    if (!gpu) return nullptr;
+    return {{"bricks", gpu->bricks.size()},
+            {"lights", 2 * gpu->vdls.size()},
+            {"normals", gpu->normals.size()},
+            {"all", gpu->memoryBytes()}};
+}
+
 /// Everything a program may want to know; timings and host are here and not in the file.
 nlohmann::json report(const Lighting& lighting, const BakeInfo& info, std::optional<double> noise,
                       std::uint64_t fileBytes, int threads)
@@ -54,6 +68,7 @@ nlohmann::json report(const Lighting& lighting, const BakeInfo& info, std::optio
             {"stages_cpu_ms", stagesCpu},
             {"noise", noise ? nlohmann::json(*noise) : nlohmann::json(nullptr)},
             {"memory_bytes", lighting.field->memoryBytes()},
+            {"texture_bytes", textureBytes(*lighting.field)},
             {"file_bytes", fileBytes},
             {"work",
              {{"photons_shot", c.photonsShot},

@@ -98,7 +98,7 @@ Result<Pair> probeBake(const Context& context, const CompareCommand& command)
     const LitScene& lit = lighting->lit;
     std::vector<ProbePoint> points;
     for (const ProbeRow& row : reference->points) points.push_back(inScene(*lit.scene, row));
-    const FieldProbe probe(*lit.rays, *lit.lights, lighting->field.get(), lighting->params);
+    const FieldProbe probe(*lit.rays, *lit.lights, lighting->shown.get(), lighting->params);
     auto values = probe.indirect(points, *context.workers, context.stop,
                                  [&](double fraction) { context.report->progress("probe", fraction); });
     if (!values) return Error{Error::Kind::cancelled, "interrupted before every point was compared"};
@@ -128,7 +128,7 @@ Result<Pair> renderBake(const Context& context, const CompareCommand& command, b
         cameraNamed(context, *lit.scene, command.camera.empty() ? *named : command.camera, aspect);
     if (!camera) return camera.error();
     const ViewJob job = viewJob(*lighting, *camera, size.width, size.height);
-    View view = renderView(*lit.rays, *lit.lights, {}, lighting->field.get(), job, *context.workers, context.stop,
+    View view = renderView(*lit.rays, *lit.lights, {}, lighting->shown.get(), job, *context.workers, context.stop,
                            [&](double f) { context.report->progress("render", f); });
     if (!view.isWhole) return Error{Error::Kind::cancelled, "interrupted before the picture was done"};
     LayeredImage seen;

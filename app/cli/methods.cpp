@@ -2,6 +2,7 @@
 #include "app/cli/methods.h"
 #include "app/cli/progress.h"
 #include "core/bake/bake_file.h"
+#include "core/bake/packed_octree.h"
 #include "core/bake/solver_for.h"
 #include "core/base/memory_use.h"
 #include "core/octree/light_octree.h"
@@ -70,7 +71,7 @@ Result<BakeParams> shownWith(const BakeParams& baked, const BakeOptions& options
 }
 
 /// The photon map's field over a file's photons; trees and reached surface are made anew.
-Result<Done> fromPhotons(const Context& context, const BakeFile& file, Lighting& lighting)
+Result<Done> fromPhotons(const Context& context, BakeFile& file, Lighting& lighting)
 {
     const LitScene& lit = lighting.lit;
     const auto reach = LightReach::find(*lit.rays, *lit.lights, *context.workers, context.stop);
@@ -82,7 +83,12 @@ Result<Done> fromPhotons(const Context& context, const BakeFile& file, Lighting&
     }
     const auto area = SurfaceArea::build(*reach, context.stop);
     if (!area) return cancelled();
-    lighting.field = photonMapField(lighting.params, lit.scene->bounds, area, maps, Mix{});
+    const auto direct = photonMapField(lighting.params, lit.scene->bounds, area, maps, Mix{});
+    lighting.field = direct;
+    if (lighting.params.photonLookup == PhotonLookup::direct) return Done{};
+    const auto cached = withCaches(*direct, std::move(file.caches), context.stop);
+    if (!cached) return cached.error();
+    lighting.field = *cached;
     return Done{};
 }
 
@@ -91,7 +97,7 @@ Result<Done> readBaked(const Context& context, const LightingRequest& request, L
     Result<LitScene> lit = readLitScene(context, request.scene, request.options.isa);
     if (!lit) return lit.error();
     lighting.lit = *std::move(lit);
-    const Result<BakeFile> file = readBake(request.bakeFile, *lighting.lit.scene);
+    Result<BakeFile> file = readBake(request.bakeFile, *lighting.lit.scene);
     if (!file) return file.error();
     lighting.method = file->info.method;
     lighting.field = file->octree;
@@ -138,13 +144,25 @@ Result<Done> checkRequest(const LightingRequest& request)
     return Done{};
 }
 
+namespace {
+
+Result<Lighting> withShown(Lighting lighting)
+{
+    Result<std::shared_ptr<const IndirectField>> shown = shownField(lighting.field, lighting.params);
+    if (!shown) return shown.error();
+    lighting.shown = *std::move(shown);
+    return lighting;
+}
+
+} // namespace
+
 Result<Lighting> prepareLighting(const Context& context, const LightingRequest& request, double bakeShare)
 {
     Lighting lighting;
     if (!request.bakeFile.empty()) {
         const Result<Done> read = readBaked(context, request, lighting);
         if (!read) return read.error();
-        return lighting;
+        return withShown(std::move(lighting));
     }
     const Result<Method> method = methodNamed(request.method);
     if (!method) return method.error();
@@ -156,7 +174,7 @@ Result<Lighting> prepareLighting(const Context& context, const LightingRequest& 
     if (solverFor(*method)) {
         const Result<Done> baked = bakeNow(context, request, bakeShare, lighting);
         if (!baked) return baked.error();
-        return lighting;
+        return withShown(std::move(lighting));
     }
     Result<LitScene> lit = readLitScene(context, request.scene, request.options.isa);
     if (!lit) return lit.error();

@@ -22,6 +22,7 @@ struct Lighting {
     Method method = Method::lightOctree;
     BakeParams params;
     std::shared_ptr<const IndirectField> field; ///< null for `direct` and `reference`
+    std::shared_ptr<const IndirectField> shown; ///< `field` as parameters of stage `show` want it looked up
     WorkCounters counters;                      ///< of the bake, if one was run
     double bakeSeconds = 0;
     std::optional<BudgetReport> budget; ///< what was picked for it, where a budget was given

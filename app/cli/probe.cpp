@@ -72,7 +72,7 @@ ProbeTable byReference(const Context& context, const ReferenceStore& store, cons
 ProbeTable byField(const Context& context, const Lighting& lighting, const std::vector<ProbeRow>& rows,
                    const std::vector<ProbePoint>& points)
 {
-    const FieldProbe light(*lighting.lit.rays, *lighting.lit.lights, lighting.field.get(), lighting.params);
+    const FieldProbe light(*lighting.lit.rays, *lighting.lit.lights, lighting.shown.get(), lighting.params);
     ProbeTable table = tableOf(rows, rows.size());
     std::vector<std::uint8_t> isDone(rows.size(), 0);
     std::atomic<std::size_t> done = 0;

@@ -61,7 +61,7 @@ View renderNow(const Context& context, const RenderCommand& command, const Light
     const auto progress = [&](double f) { context.report->progress("render", from + (1.0 - from) * f); };
     const LitScene& lit = lighting.lit;
     if (lighting.method != Method::reference) {
-        return renderView(*lit.rays, *lit.lights, {}, lighting.field.get(), job, *context.workers, context.stop,
+        return renderView(*lit.rays, *lit.lights, {}, lighting.shown.get(), job, *context.workers, context.stop,
                           progress);
     }
     const ReferenceStore store = storeOf(context, command.scene, command.cache);

@@ -130,13 +130,15 @@ try {
     for (const LightGroup& group : scene.groups) {
         isOn.push_back(std::ranges::find(info->off, group.id) == info->off.end());
     }
-    BakeFile bake{*info, nullptr, {}};
+    BakeFile bake{*info, nullptr, {}, {}};
     if (info->method == Method::lightOctree) {
         bake.octree = readOctree(file, scene, isOn, info->params.vdlForm);
         return bake;
     }
     for (std::size_t g = 0; g < isOn.size(); ++g) {
         bake.photons.push_back(isOn[g] ? readPhotons(file, scene, static_cast<int>(g)) : nullptr);
+        if (info->params.photonLookup != PhotonLookup::christensen) continue;
+        bake.caches.push_back(isOn[g] ? readCache(file, scene, static_cast<int>(g)) : ChristensenCache::Values());
     }
     return bake;
 } catch (const std::exception& failure) {

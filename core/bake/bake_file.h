@@ -4,6 +4,7 @@
 #include "core/base/result.h"
 #include "core/field/indirect_field.h"
 #include "core/params/bake_params.h"
+#include "core/photonmap/christensen_cache.h"
 #include <filesystem>
 #include <memory>
 #include <span>
@@ -30,6 +31,7 @@ struct BakeFile {
     BakeInfo info;
     std::shared_ptr<const LightOctree> octree;               ///< method light-octree
     std::vector<std::shared_ptr<const PhotonPaths>> photons; ///< method photon-map, by light group; null: was off
+    std::vector<ChristensenCache::Values> caches;            ///< the same with photons.lookup=christensen, else empty
 };
 
 /// Bytes of a bake file: one OpenVDB stream, sealed (vdb_seal.h). Grids, all in the file's frame:
@@ -38,6 +40,7 @@ struct BakeFile {
 ///   light-octree/d<depth>/<group>/noise/<entry>                        standard error of its luminance, lux
 ///   light-octree/d<depth>/<group>/{colour,direction}/<entry>/<slot>    the VDLs
 ///   photon-map/d0/<group>/{position,to_light,flux,normal}/0/0          photon i at (i % 128, i / 128 % 128, i / 16384)
+///   photon-map/d0/<group>/{irradiance,noise}/0/0                       of Christensen's cache, point i likewise, lux
 /// "/" in group ids is written %2F. The same bake gives the same bytes; nothing in it depends on time or host.
 /// `field` is what the method of `info` published.
 [[nodiscard]] Result<std::vector<std::uint8_t>> bakeBytes(const IndirectField& field, const BakeInfo& info,

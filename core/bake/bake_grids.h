@@ -16,6 +16,8 @@ void storeOctree(const LightOctree& octree, const Scene& scene, VdbFile& file);
                                                             const std::vector<bool>& isOn, VdlForm form);
 
 void storePhotons(const PhotonMapField& field, const Scene& scene, VdbFile& file);
+/// Empty where the bake kept none.
+[[nodiscard]] ChristensenCache::Values readCache(const VdbFile& file, const Scene& scene, int group);
 [[nodiscard]] std::shared_ptr<const PhotonPaths> readPhotons(const VdbFile& file, const Scene& scene, int group);
 
 } // namespace lightloom

@@ -8,13 +8,14 @@
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 
 namespace lightloom {
 namespace {
 
-constexpr std::uint64_t kMostWidth = 4096;    ///< of 2D textures: with it 24 bits address every texel
-constexpr std::uint64_t kMostBrickSide = 128; ///< GL 3.3 promises 3D textures of 256 texels a side
-constexpr float kMostColour = 32768.0f;       ///< halves end at 65504
+constexpr std::uint64_t kMostWidth = 4096; ///< of 2D textures: with it 24 bits address every texel
+constexpr int kMostBrickSide = 128;        ///< GL 3.3 promises 3D textures of 256 texels a side
+constexpr float kMostColour = 32768.0f;    ///< halves end at 65504
 
 struct Texel {
     std::uint8_t r = 0, g = 0, b = 0, a = 0;
@@ -73,10 +74,11 @@ private:
 
 void layOutBricks(const BrickBuilder& built, GpuOctree& gpu)
 {
-    const auto side = static_cast<std::size_t>(gpu.side), texels = 2 * side;
-    gpu.bricks.assign(4 * texels * texels * texels, 0);
+    const glm::uvec3 side(gpu.side);
+    const std::size_t across = 2 * std::size_t(side.x), down = 2 * std::size_t(side.y), deep = 2 * std::size_t(side.z);
+    gpu.bricks.assign(4 * across * down * deep, 0);
     const auto place = [&](std::size_t brick) {
-        return glm::uvec3(brick % side, brick / side % side, brick / (side * side));
+        return glm::uvec3(brick % side.x, brick / side.x % side.y, brick / (std::size_t(side.x) * side.y));
     };
     for (std::size_t b = 0; b < built.bricks.size(); ++b) {
         const glm::uvec3 corner = 2u * place(b);
@@ -88,19 +90,25 @@ void layOutBricks(const BrickBuilder& built, GpuOctree& gpu)
                          static_cast<std::uint8_t>(child.z), 1};
             }
             const glm::uvec3 at = corner + glm::uvec3(i & 1, i >> 1 & 1, i >> 2 & 1);
-            std::uint8_t* out = gpu.bricks.data() + 4 * ((at.z * texels + at.y) * texels + at.x);
+            std::uint8_t* out = gpu.bricks.data() + 4 * ((at.z * down + at.y) * across + at.x);
             out[0] = texel.r, out[1] = texel.g, out[2] = texel.b, out[3] = texel.a;
         }
     }
 }
 
-/// Mixed VDLs of every entry, `vdlCount` each.
-std::vector<Vdl> mixAll(const LightOctree& octree, int count)
+/// What every entry holds under the mix, `gpu.vdlCount` each, black ones last.
+std::vector<Vdl> mixAll(const LightOctree& octree, const GpuOctree& gpu)
 {
+    const auto count = static_cast<std::size_t>(gpu.vdlCount);
     std::vector<Vdl> all;
-    all.reserve(octree.geometry().entries.size() * static_cast<std::size_t>(count));
+    all.reserve(octree.geometry().entries.size() * count);
     for (std::uint32_t e = 0; e < octree.geometry().entries.size(); ++e) {
-        const std::vector<Vdl> some = octree.mixed(e, count);
+        if (!gpu.hasDirections) {
+            all.push_back({octree.mixedColour(e), octree.geometry().entries[e].normal});
+            continue;
+        }
+        std::vector<Vdl> some = octree.mixed(e, gpu.vdlCount);
+        std::ranges::stable_partition(some, [](const Vdl& vdl) { return vdl.colour != glm::vec3(0.0f); });
         all.insert(all.end(), some.begin(), some.end());
     }
     return all;
@@ -119,11 +127,11 @@ void packVdls(const LightOctree& octree, const std::vector<Vdl>& vdls, GpuOctree
     gpu.colourScale = scaleFor(vdls);
     gpu.vdls.assign(4 * static_cast<std::size_t>(gpu.vdlWidth) * static_cast<std::size_t>(gpu.vdlHeight), 0);
     for (std::size_t i = 0; i < vdls.size(); ++i) {
-        const std::uint16_t direction = packDirection(vdls[i].toLight);
+        const std::uint16_t direction = gpu.hasDirections ? packDirection(vdls[i].toLight) : std::uint16_t(0);
         const glm::vec3 n = octree.geometry().entries[i / static_cast<std::size_t>(gpu.vdlCount)].normal;
         // the rounded direction meets the surface at another angle: keep what it gives on the entry's own normal
         const float was = glm::dot(vdls[i].toLight, n), is = glm::dot(unpackDirection(direction), n);
-        const float keep = was > kLeastCosine && is > kLeastCosine ? was / is : 1.0f;
+        const float keep = gpu.hasDirections && was > kLeastCosine && is > kLeastCosine ? was / is : 1.0f;
         const glm::vec3 colour = vdls[i].colour * (keep / gpu.colourScale);
         for (int c = 0; c < 3; ++c) gpu.vdls[4 * i + static_cast<std::size_t>(c)] = imath_float_to_half(colour[c]);
         gpu.vdls[4 * i + 3] = direction;
@@ -150,6 +158,22 @@ void shape(std::uint64_t texels, int& width, int& height)
 
 } // namespace
 
+std::optional<glm::ivec3> brickBox(std::uint64_t bricks)
+{
+    std::optional<glm::ivec3> best;
+    std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
+    for (int x = 1; x <= kMostBrickSide; ++x) {
+        for (int y = x; y <= kMostBrickSide; ++y) {
+            const auto layer = static_cast<std::uint64_t>(x) * static_cast<std::uint64_t>(y);
+            const std::uint64_t z = std::max<std::uint64_t>(1, (bricks + layer - 1) / layer);
+            if (z > static_cast<std::uint64_t>(kMostBrickSide) || layer * z >= least) continue;
+            least = layer * z;
+            best = glm::ivec3(x, y, static_cast<int>(z));
+        }
+    }
+    return best;
+}
+
 Result<GpuOctree> makeGpuOctree(const LightOctree& octree)
 {
     const OctreeGeometry& geometry = octree.geometry();
@@ -157,8 +181,10 @@ Result<GpuOctree> makeGpuOctree(const LightOctree& octree)
     gpu.depth = geometry.depth;
     gpu.lowest = geometry.lowest;
     gpu.rootSize = geometry.rootSize;
-    for (const auto& layer : octree.layers())
-        gpu.vdlCount = layer ? std::max(gpu.vdlCount, layer->count) : gpu.vdlCount;
+    gpu.hasDirections = octree.show() == OctreeShow::lights;
+    for (const auto& layer : octree.layers()) {
+        if (layer && gpu.hasDirections) gpu.vdlCount = std::max(gpu.vdlCount, layer->count);
+    }
     gpu.leafCount = geometry.cells.size();
     gpu.entryCount = geometry.entries.size();
     const std::uint64_t texels = gpu.entryCount * static_cast<std::uint64_t>(gpu.vdlCount);
@@ -169,16 +195,17 @@ Result<GpuOctree> makeGpuOctree(const LightOctree& octree)
                                  gpu.entryCount, gpu.vdlCount, texels, kMostWidth * kMostWidth)};
     }
     const BrickBuilder built(geometry);
-    gpu.side = std::max(1, static_cast<int>(std::ceil(std::cbrt(static_cast<double>(built.bricks.size())) - 1e-9)));
-    if (static_cast<std::uint64_t>(gpu.side) > kMostBrickSide) {
+    const std::optional<glm::ivec3> side = brickBox(built.bricks.size());
+    if (!side) {
         return Error{Error::Kind::unsupported,
                      fmt::format("{} octree nodes do not fit a 3D texture of {} bricks a side; lower octree.depth",
                                  built.bricks.size(), kMostBrickSide)};
     }
+    gpu.side = *side;
     shape(texels, gpu.vdlWidth, gpu.vdlHeight);
     shape(gpu.entryCount, gpu.normalWidth, gpu.normalHeight);
     layOutBricks(built, gpu);
-    packVdls(octree, mixAll(octree, gpu.vdlCount), gpu);
+    packVdls(octree, mixAll(octree, gpu), gpu);
     packNormals(geometry, gpu);
     return gpu;
 }

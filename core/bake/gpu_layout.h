@@ -3,6 +3,7 @@
 #include "core/base/result.h"
 #include "core/octree/light_octree.h"
 #include <cstdint>
+#include <optional>
 
 namespace lightloom {
 
@@ -10,21 +11,24 @@ namespace lightloom {
 /// Form after the 2007 paper, section 4.2.1 and figures 7 and 8 (METHODS section 3, GPU form).
 ///
 /// `bricks` is a 3D texture RGBA8UI of 2x2x2 bricks. Brick b stands at brick coordinates
-/// (b % side, (b / side) % side, b / side^2); its texel for child (x,y,z) lies at 2 * those + (x,y,z). The root is
-/// brick 0. A texel's A: 0 empty, 1 node (RGB = brick coordinates of the child), 2.. leaf with A - 1 entries (R + 256 G
-/// + 65536 B = number of its first entry). Entry e has `vdlCount` texels in `vdls` (RGBA16UI: colour as half floats,
-/// times `colourScale` gives lux; direction in the fourth as theta 8 bits high, phi 8 bits low), texel number e *
-/// vdlCount + j, at (number % vdlWidth, number / vdlWidth); and one texel in `normals` (RG8UI: theta, phi), at (e %
-/// normalWidth, e / normalWidth).
+/// (b % side.x, b / side.x % side.y, b / (side.x * side.y)); its texel for child (x,y,z) lies at 2 * those + (x,y,z).
+/// The root is brick 0. A texel's A: 0 empty, 1 node (RGB = brick coordinates of the child), 2.. leaf with A - 1
+/// entries (R + 256 G + 65536 B = number of its first entry). Entry e has `vdlCount` texels in `vdls` (RGBA16UI: colour
+/// as half floats, times `colourScale` gives lux; direction in the fourth as theta 8 bits high, phi 8 bits low), texel
+/// number e * vdlCount + j, at (number % vdlWidth, number / vdlWidth), black ones last; and one texel in `normals`
+/// (RG8UI: theta, phi), at (e % normalWidth, e / normalWidth).
+///
+/// A colour octree (OctreeShow::colour) has one texel per entry, its accumulated illuminance, and no directions.
 struct GpuOctree {
     int depth = 0;
     glm::vec3 lowest{0.0f}; ///< corner of the root cell, scene space
     float rootSize = 1.0f;  ///< side of the root cell, metres
-    int side = 1;           ///< bricks per axis of `bricks`; the texture has 2 * side texels per axis
+    glm::ivec3 side{1};     ///< bricks per axis of `bricks`, at most 128; the texture has 2 * side texels
     int vdlCount = 1;
-    float colourScale = 1.0f; ///< power of two that keeps colours within half floats
+    bool hasDirections = true; ///< false: a colour octree
+    float colourScale = 1.0f;  ///< power of two that keeps colours within half floats
     int vdlWidth = 1, vdlHeight = 1, normalWidth = 1, normalHeight = 1;
-    std::vector<std::uint8_t> bricks;  ///< 4 * (2 side)^3
+    std::vector<std::uint8_t> bricks;  ///< 4 * 8 side.x side.y side.z
     std::vector<std::uint16_t> vdls;   ///< 4 * vdlWidth * vdlHeight
     std::vector<std::uint8_t> normals; ///< 2 * normalWidth * normalHeight
     std::uint64_t leafCount = 0, entryCount = 0;
@@ -33,5 +37,8 @@ struct GpuOctree {
 
 /// Errors: more entries or bricks than 24 bits address (says how many, and which parameter to lower).
 [[nodiscard]] Result<GpuOctree> makeGpuOctree(const LightOctree& octree);
+
+/// The smallest box of at least `bricks` bricks, at most 128 a side; nothing if there is none.
+[[nodiscard]] std::optional<glm::ivec3> brickBox(std::uint64_t bricks);
 
 } // namespace lightloom

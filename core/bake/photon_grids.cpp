@@ -12,6 +12,7 @@ struct Quantity {
 };
 constexpr std::array kQuantities{Quantity{"position", &Photon::position}, Quantity{"to_light", &Photon::toLight},
                                  Quantity{"flux", &Photon::flux}, Quantity{"normal", &Photon::normal}};
+constexpr const char *kIrradiance = "irradiance", *kNoise = "noise"; ///< of Christensen's cache
 
 std::string gridName(const std::string& group, const char* quantity)
 {
@@ -47,7 +48,23 @@ void storePhotons(const PhotonMapField& field, const Scene& scene, VdbFile& file
             }
             file.add(gridName(group, quantity.name), {}, places, values);
         }
+        const auto& cache = field.layers()[g].cache;
+        if (!cache) continue;
+        const ChristensenCache::Values& kept = cache->values();
+        file.add(gridName(group, kIrradiance), {}, placesOf(kept.lux.size()), std::span(kept.lux));
+        file.add(gridName(group, kNoise), {}, placesOf(kept.noise.size()), std::span(kept.noise));
     }
+}
+
+ChristensenCache::Values readCache(const VdbFile& file, const Scene& scene, int group)
+{
+    const std::string id = escaped(scene.groups[static_cast<std::size_t>(group)].id);
+    ChristensenCache::Values values;
+    if (!file.contains(gridName(id, kIrradiance))) return values;
+    const std::vector<glm::ivec3> places = placesOf(file.cells(gridName(id, kIrradiance)).size());
+    values.lux = file.vectors(gridName(id, kIrradiance), places);
+    values.noise = file.numbers(gridName(id, kNoise), places);
+    return values;
 }
 
 std::shared_ptr<const PhotonPaths> readPhotons(const VdbFile& file, const Scene& scene, int group)

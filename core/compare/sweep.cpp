@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/compare/sweep.h"
+#include "core/bake/packed_octree.h"
 #include "core/bake/solver_for.h"
 #include "core/base/memory_use.h"
 #include "core/compare/field_probe.h"
@@ -94,6 +95,9 @@ private:
         const BakeJob job{plan_.scene, params, {}, plan_.isa};
         products_.beginRound();
         if (const Result<Done> done = solver_->bake(job, products_, inner); !done) return done.error();
+        const Result<std::shared_ptr<const IndirectField>> shown = shownField(field, params);
+        if (!shown) return shown.error();
+        field = *shown;
         SeedResult result;
         result.stages = products_.counters.stages;
         result.fieldMiB = static_cast<double>(field->memoryBytes()) / kMiB;

@@ -20,8 +20,8 @@ std::int64_t OctreeGeometry::leafAt(glm::ivec3 cell) const
 }
 
 LightOctree::LightOctree(std::shared_ptr<const OctreeGeometry> geometry,
-                         std::vector<std::shared_ptr<const VdlLayer>> layers, VdlForm form, Mix mix)
-    : geometry_(std::move(geometry)), layers_(std::move(layers)), form_(form), mix_(std::move(mix))
+                         std::vector<std::shared_ptr<const VdlLayer>> layers, VdlForm form, Mix mix, OctreeShow show)
+    : geometry_(std::move(geometry)), layers_(std::move(layers)), form_(form), mix_(std::move(mix)), show_(show)
 {
 }
 
@@ -72,17 +72,32 @@ bool LightOctree::lookup(glm::vec3 p, glm::vec3 n, glm::vec3& lux) const
 {
     glm::vec3 sum(0.0f);
     const float weights = visitNeighbours(*geometry_, p, n, [&](std::size_t entry, float weight) {
-        for (const auto& layer : layers_) {
-            if (!layer) continue;
-            const glm::vec3 gain = gainOf(mix_, layer->group);
-            const Vdl* vdls = layer->vdls.data() + entry * static_cast<std::size_t>(layer->count);
-            glm::vec3 e(0.0f);
-            for (int j = 0; j < layer->count; ++j) e += vdls[j].colour * glm::max(0.0f, glm::dot(n, vdls[j].toLight));
-            sum += weight * gain * e;
-        }
+        sum += weight * (show_ == OctreeShow::lights ? illuminanceOf(entry, n) : mixedColour(entry));
     });
     lux = weights > 0.0f ? sum / weights : glm::vec3(0.0f);
     return weights > 0.0f;
+}
+
+glm::vec3 LightOctree::illuminanceOf(std::size_t entry, glm::vec3 n) const
+{
+    glm::vec3 sum(0.0f);
+    for (const auto& layer : layers_) {
+        if (!layer) continue;
+        const Vdl* vdls = layer->vdls.data() + entry * static_cast<std::size_t>(layer->count);
+        glm::vec3 e(0.0f);
+        for (int j = 0; j < layer->count; ++j) e += vdls[j].colour * glm::max(0.0f, glm::dot(n, vdls[j].toLight));
+        sum += gainOf(mix_, layer->group) * e;
+    }
+    return sum;
+}
+
+glm::vec3 LightOctree::mixedColour(std::size_t e) const
+{
+    glm::vec3 sum(0.0f);
+    for (const auto& layer : layers_) {
+        if (layer) sum += gainOf(mix_, layer->group) * layer->scalar[e];
+    }
+    return sum;
 }
 
 std::optional<float> LightOctree::noise(glm::vec3 p, glm::vec3 n) const
@@ -110,7 +125,12 @@ float LightOctree::noiseOf(std::size_t entry) const
 
 std::shared_ptr<const IndirectField> LightOctree::withMix(Mix mix) const
 {
-    return std::make_shared<LightOctree>(geometry_, layers_, form_, std::move(mix));
+    return std::make_shared<LightOctree>(geometry_, layers_, form_, std::move(mix), show_);
+}
+
+std::shared_ptr<const LightOctree> LightOctree::showing(OctreeShow show) const
+{
+    return std::make_shared<LightOctree>(geometry_, layers_, form_, mix_, show);
 }
 
 std::size_t LightOctree::memoryBytes() const

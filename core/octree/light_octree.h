@@ -51,9 +51,10 @@ struct VdlLayer {
 class LightOctree final : public IndirectField {
 public:
     LightOctree(std::shared_ptr<const OctreeGeometry> geometry, std::vector<std::shared_ptr<const VdlLayer>> layers,
-                VdlForm form, Mix mix);
+                VdlForm form, Mix mix, OctreeShow show = OctreeShow::lights);
 
     /// 8-neighbour interpolation over entries compatible with `n` (n . n_j >= 0.3), renormalised by those that exist.
+    /// A colour octree takes each entry's accumulated illuminance as it is: `n` picks entries and does nothing else.
     [[nodiscard]] bool lookup(glm::vec3 p, glm::vec3 n, glm::vec3& lux) const override;
     /// As `lookup` blends. Lamps are independent; neighbouring entries share most photons, so their errors are taken
     /// as one, which overstates the noise where kernels are no wider than cells.
@@ -66,16 +67,23 @@ public:
     [[nodiscard]] const std::vector<std::shared_ptr<const VdlLayer>>& layers() const { return layers_; }
     [[nodiscard]] VdlForm form() const { return form_; }
     [[nodiscard]] const Mix& mix() const { return mix_; }
+    [[nodiscard]] OctreeShow show() const { return show_; }
+    /// The same layers and mix, shown otherwise.
+    [[nodiscard]] std::shared_ptr<const LightOctree> showing(OctreeShow show) const;
+    /// Accumulated illuminance (lux) of entry `e` under the mix, without directions.
+    [[nodiscard]] glm::vec3 mixedColour(std::size_t e) const;
     /// VDLs of entry `e` under the mix, all layers' united and merged to at most `most`, vector sums kept.
     [[nodiscard]] std::vector<Vdl> mixed(std::uint32_t e, int most) const;
 
 private:
     [[nodiscard]] float noiseOf(std::size_t entry) const;
+    [[nodiscard]] glm::vec3 illuminanceOf(std::size_t entry, glm::vec3 n) const;
 
     std::shared_ptr<const OctreeGeometry> geometry_;
     std::vector<std::shared_ptr<const VdlLayer>> layers_;
     VdlForm form_;
     Mix mix_;
+    OctreeShow show_;
 };
 
 /// The leaves that lookups at the points read, with all their entries: a field over these answers there as one over the

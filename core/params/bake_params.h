@@ -14,6 +14,14 @@ enum class Method { lightOctree, photonMap, direct, reference };
 enum class GatherKernel { sphere, ellipsoid };
 /// How photons become virtual directional lights: as printed in the 2007 paper, or corrected (docs/methods).
 enum class VdlForm { corrected, paper };
+/// What a light octree shows of its entries: virtual lights, or their sum without directions (the paper's comparison).
+enum class OctreeShow { lights, colour };
+/// Which numbers an octree is looked up in: the bake's own, or the packed ones that pixels are drawn from.
+enum class OctreeValues { exact, packed };
+/// How a photon map answers: density estimation on the spot, or Christensen's cache.
+enum class PhotonLookup { direct, christensen };
+/// Whether a gather leaves out photons on surfaces that face elsewhere.
+enum class NormalFilter { on, off };
 
 /// Everything a bake depends on besides the scene and its lamps. Same scene, parameters and build: same bytes.
 /// Meaning, unit, range and cost of each member stand in `kParams`.
@@ -29,6 +37,10 @@ struct BakeParams {
     float gridShift = 0.0f;
     int vdlCount = 4;
     VdlForm vdlForm = VdlForm::corrected;
+    OctreeShow octreeShow = OctreeShow::lights;
+    OctreeValues octreeValues = OctreeValues::exact;
+    PhotonLookup photonLookup = PhotonLookup::direct;
+    NormalFilter gatherFilter = NormalFilter::on;
     int directSamples = 64;
     int probeRays = 256;
     int referenceSamples = 1024;
@@ -53,7 +65,8 @@ enum MethodBit : unsigned {
 /// One parameter: the only description of it. Command line, panels, files and the manual loop over `kParams`.
 struct ParamSpec {
     using Field = std::variant<int BakeParams::*, float BakeParams::*, std::uint64_t BakeParams::*,
-                               GatherKernel BakeParams::*, VdlForm BakeParams::*>;
+                               GatherKernel BakeParams::*, VdlForm BakeParams::*, OctreeShow BakeParams::*,
+                               OctreeValues BakeParams::*, PhotonLookup BakeParams::*, NormalFilter BakeParams::*>;
     std::string_view key;   ///< for ever: files hold it
     std::string_view label; ///< in the window
     std::string_view unit;  ///< "" for a pure number
@@ -69,6 +82,10 @@ struct ParamSpec {
 
 inline constexpr std::array<std::string_view, 2> kKernelNames{"sphere", "ellipsoid"};
 inline constexpr std::array<std::string_view, 2> kVdlFormNames{"corrected", "paper"};
+inline constexpr std::array<std::string_view, 2> kOctreeShowNames{"lights", "colour"};
+inline constexpr std::array<std::string_view, 2> kOctreeValuesNames{"exact", "packed"};
+inline constexpr std::array<std::string_view, 2> kPhotonLookupNames{"direct", "christensen"};
+inline constexpr std::array<std::string_view, 2> kNormalFilterNames{"on", "off"};
 
 // clang-format off
 inline constexpr std::array kParams{
@@ -90,10 +107,18 @@ inline constexpr std::array kParams{
               "Cap on the gather kernel. 0: automatic, three times the radius that K photons fill where they lie evenly."},
     ParamSpec{"gather.kernel", "Gather kernel", "", 0, 1, 1, kForOctree, Stage::fit, &BakeParams::gatherKernel, kKernelNames,
               "Region photons are taken from: a sphere, or the paper's ellipsoid flattened along the leaf's normal."},
+    ParamSpec{"gather.filter", "Normal filter", "", 0, 1, 1, kForPhotonMap, Stage::fit, &BakeParams::gatherFilter, kNormalFilterNames,
+              "on: photons and surface within 60 degrees of the receiver's normal count. off: all; light bleeds round edges."},
+    ParamSpec{"photons.lookup", "Photon lookup", "", 0, 1, 1, kForPhotonMap, Stage::fit, &BakeParams::photonLookup, kPhotonLookupNames,
+              "direct: density estimation at every point. christensen: kept at every 4th photon, the nearest answers; fast, in patches."},
     ParamSpec{"vdl.count", "Lights per leaf (k)", "", 1, 8, 1, kForOctree, Stage::fit, &BakeParams::vdlCount, {},
               "Virtual directional lights per leaf; each adds a texture read per pixel. Brightness does not depend on it."},
     ParamSpec{"vdl.form", "Light form", "", 0, 1, 1, kForOctree, Stage::fit, &BakeParams::vdlForm, kVdlFormNames,
               "corrected: vector sum divided by the photon's cosine. paper: as printed in 2007, too dark; for comparison."},
+    ParamSpec{"octree.show", "Shown of the octree", "", 0, 1, 1, kForOctree, Stage::show, &BakeParams::octreeShow, kOctreeShowNames,
+              "lights: virtual lights, shaded by the receiver's normal. colour: their sum without directions; for comparison."},
+    ParamSpec{"octree.values", "Numbers looked up", "", 0, 1, 1, kForOctree, Stage::show, &BakeParams::octreeValues, kOctreeValuesNames,
+              "exact: as baked. packed: as the window's textures hold them, lamps merged, halves and 8-bit directions."},
     ParamSpec{"direct.samples", "Shadow rays per lamp", "", 1, 1'000'000, 16, kForAll, Stage::show, &BakeParams::directSamples, {},
               "Shadow rays to each emitting surface for exact direct light; softer noise in penumbrae, linear time."},
     ParamSpec{"probe.rays", "Gather rays in mid-air", "", 1, 1'000'000, 64, kForPhotons, Stage::show, &BakeParams::probeRays, {},

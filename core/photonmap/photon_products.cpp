@@ -51,6 +51,12 @@ Result<Done> checkPhotonsFit(const BakeJob& job)
 
 namespace {
 
+std::string photonKey(const BakeJob& job, const SceneProducts& scene, int group)
+{
+    return scene.key + job.scene->groups[static_cast<std::size_t>(group)].id + "\n" +
+           stageKey(job.params, Stage::shoot, Method::photonMap);
+}
+
 std::shared_ptr<const PhotonPaths> paths(const BakeJob& job, const SceneProducts& scene, int group,
                                          const std::string& key, BakeProducts& products, BakeControl& control,
                                          const std::function<void(double)>& progress)
@@ -78,6 +84,17 @@ std::shared_ptr<const PhotonPaths> paths(const BakeJob& job, const SceneProducts
 }
 
 } // namespace
+
+std::optional<PhotonProducts> keptPhotons(const BakeJob& job, const SceneProducts& scene, BakeProducts& products)
+{
+    PhotonProducts result{scene, products.find<SurfaceArea>(scene.key), {}};
+    if (!result.area) return std::nullopt;
+    for (int g = 0; g < static_cast<int>(job.scene->groups.size()); ++g) {
+        result.maps.push_back(isOff(job.mix, g) ? nullptr : products.find<PhotonMap>(photonKey(job, scene, g)));
+        if (!result.maps.back() && !isOff(job.mix, g)) return std::nullopt;
+    }
+    return result;
+}
 
 Result<PhotonProducts> photonProducts(const BakeJob& job, BakeProducts& products, BakeControl& control, double share)
 {
@@ -107,8 +124,7 @@ Result<PhotonProducts> photonProducts(const BakeJob& job, BakeProducts& products
             result.maps.push_back(nullptr);
             continue;
         }
-        const std::string key = result.scene.key + job.scene->groups[static_cast<std::size_t>(g)].id + "\n" +
-                                stageKey(job.params, Stage::shoot, Method::photonMap);
+        const std::string key = photonKey(job, result.scene, g);
         const auto shot = paths(job, result.scene, g, key, products, control, [&](double fraction) {
             control.progress(Stage::shoot, share * (done + 0.8 * fraction) / on);
         });

@@ -24,6 +24,11 @@ struct PhotonProducts {
 [[nodiscard]] Result<PhotonProducts> photonProducts(const BakeJob& job, BakeProducts& products, BakeControl& control,
                                                     double share);
 
+/// What `photonProducts` left for the same job: nothing is made, nothing is counted as work. Nothing if not all is
+/// there.
+[[nodiscard]] std::optional<PhotonProducts> keptPhotons(const BakeJob& job, const SceneProducts& scene,
+                                                        BakeProducts& products);
+
 [[nodiscard]] inline Error cancelled() { return {Error::Kind::cancelled, "the bake was cancelled"}; }
 
 } // namespace lightloom

@@ -15,13 +15,18 @@ Result<OverlayPass> OverlayPass::make(Gl& gl, const ShaderLibrary& shaders)
     return OverlayPass(gl, std::move(*picture), std::move(*errors));
 }
 
-void OverlayPass::setPicture(const FloatImage& radiance)
+namespace {
+
+GlTexture upload(Gl& gl, const FloatImage& radiance)
 {
-    picture_.reset();
-    if (radiance.pixels.empty()) return;
-    picture_ =
-        makeTexture2D(*gl_, GL_RGB32F, {radiance.width, radiance.height}, GL_RGB, GL_FLOAT, radiance.pixels.data());
+    if (radiance.pixels.empty()) return {};
+    return makeTexture2D(gl, GL_RGB32F, {radiance.width, radiance.height}, GL_RGB, GL_FLOAT, radiance.pixels.data());
 }
+
+} // namespace
+
+void OverlayPass::setPicture(const FloatImage& radiance) { picture_ = upload(*gl_, radiance); }
+void OverlayPass::setPhotons(const FloatImage& radiance) { photons_ = upload(*gl_, radiance); }
 
 void OverlayPass::setErrors(const ViewError& error)
 {
@@ -35,27 +40,35 @@ void OverlayPass::setErrors(const ViewError& error)
 
 void OverlayPass::draw(const FrameView& frame, const GBuffer& buffers, int samples, glm::ivec2 window) const
 {
+    if (frame.showsPhotons && photons_) drawPicture(photons_, frame, buffers, samples);
     const bool isErrors = frame.overlay == Overlay::errors;
     const GlTexture& texture = isErrors ? errors_ : picture_;
     if (frame.overlay == Overlay::none || !texture) return;
     gl_->glEnable(GL_SCISSOR_TEST);
     gl_->glScissor(0, 0, static_cast<int>(std::lround(frame.wipe * static_cast<float>(window.x))), window.y);
-    const GlProgram& program = isErrors ? errorProgram_ : pictureProgram_;
-    program.use();
     if (isErrors) {
-        program.setTexture("errors", 0, GL_TEXTURE_2D, texture.id());
-        program.set("top", top_);
-        program.set("isSigned", isSigned_ ? 1 : 0);
+        errorProgram_.use();
+        errorProgram_.setTexture("errors", 0, GL_TEXTURE_2D, texture.id());
+        errorProgram_.set("top", top_);
+        errorProgram_.set("isSigned", isSigned_ ? 1 : 0);
+        drawFullscreen(*gl_);
     } else {
-        program.setTexture("picture", 0, GL_TEXTURE_2D, texture.id());
-        program.setTexture("covered", 1, GL_TEXTURE_2D, buffers.sum.id());
-        program.set("samples", static_cast<float>(samples));
-        program.set("scale", shader::exposureScale(frame.exposureEv));
-        program.set("tone", frame.tone);
-        program.set("background", frame.background);
+        drawPicture(texture, frame, buffers, samples);
     }
-    drawFullscreen(*gl_);
     gl_->glDisable(GL_SCISSOR_TEST);
+}
+
+void OverlayPass::drawPicture(const GlTexture& picture, const FrameView& frame, const GBuffer& buffers,
+                              int samples) const
+{
+    pictureProgram_.use();
+    pictureProgram_.setTexture("picture", 0, GL_TEXTURE_2D, picture.id());
+    pictureProgram_.setTexture("covered", 1, GL_TEXTURE_2D, buffers.sum.id());
+    pictureProgram_.set("samples", static_cast<float>(samples));
+    pictureProgram_.set("scale", shader::exposureScale(frame.exposureEv));
+    pictureProgram_.set("tone", frame.tone);
+    pictureProgram_.set("background", frame.background);
+    drawFullscreen(*gl_);
 }
 
 } // namespace lightloom

@@ -9,13 +9,14 @@ namespace lightloom {
 
 struct FrameView;
 
-/// Draws over the finished picture, or over its left part, what was computed elsewhere for the same view: a reference
-/// picture, or errors in false colour. The context is current in all calls.
+/// Draws over the finished picture what was computed elsewhere for the same view: the photon map's picture all over it,
+/// a reference picture or errors in false colour over it or its left part. The context is current in all calls.
 class OverlayPass {
 public:
     [[nodiscard]] static Result<OverlayPass> make(Gl& gl, const ShaderLibrary& shaders);
 
     void setPicture(const FloatImage& radiance); ///< uploads at once; without pixels: none
+    void setPhotons(const FloatImage& radiance); ///< likewise
     void setErrors(const ViewError& error);
 
     /// On the left `frame.wipe` of the target of `window` pixels, which is bound. `buffers` holds the frame's own sum
@@ -27,9 +28,11 @@ private:
         : gl_(&gl), pictureProgram_(std::move(picture)), errorProgram_(std::move(errors))
     {
     }
+    void drawPicture(const GlTexture& picture, const FrameView& frame, const GBuffer& buffers, int samples) const;
+
     Gl* gl_;
     GlProgram pictureProgram_, errorProgram_;
-    GlTexture picture_, errors_;
+    GlTexture picture_, photons_, errors_;
     float top_ = 1.0f;
     bool isSigned_ = false;
 };

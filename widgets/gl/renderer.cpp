@@ -44,9 +44,11 @@ Result<Done> Renderer::linkPrograms()
         if (!linked) return linked.error();
         each.program = std::move(*linked);
     }
-    Result<std::unique_ptr<ModeVdl>> vdl = ModeVdl::make(gl_, shaders);
-    if (!vdl) return vdl.error();
-    vdl_ = std::move(*vdl);
+    for (std::unique_ptr<ModeVdl>* mode : {&vdl_, &colours_}) {
+        Result<std::unique_ptr<ModeVdl>> made = ModeVdl::make(gl_, shaders);
+        if (!made) return made.error();
+        *mode = std::move(*made);
+    }
     Result<OverlayPass> overlay = OverlayPass::make(gl_, shaders);
     if (!overlay) return overlay.error();
     overlay_.emplace(std::move(*overlay));
@@ -57,6 +59,7 @@ Result<Done> Renderer::setScene(std::shared_ptr<const DrawData> data)
 {
     scene_.reset();
     (void)vdl_->setOctree(nullptr); // dropping cannot fail
+    (void)colours_->setOctree(nullptr);
     if (!data) return Done{};
     float brightest = 0.0f;
     for (const Material& m : data->scene->materials) brightest = std::max(brightest, maxChannel(m.emission));
@@ -66,6 +69,10 @@ Result<Done> Renderer::setScene(std::shared_ptr<const DrawData> data)
 }
 
 Result<Done> Renderer::setOctree(const std::shared_ptr<const GpuOctree>& octree) { return vdl_->setOctree(octree); }
+Result<Done> Renderer::setColours(const std::shared_ptr<const GpuOctree>& octree)
+{
+    return colours_->setOctree(octree);
+}
 void Renderer::setMix(const Mix& mix) { shadows_.setMix(mix); }
 
 bool Renderer::drawShadows(double budgetMs) { return !scene_ || shadows_.draw(*scene_, shadowProgram_, budgetMs); }
@@ -122,12 +129,29 @@ void Renderer::drawLight(const FrameView& frame)
     }
     const bool lamps = frame.mode == ViewMode::direct || !frame.indirectOnly;
     drawDirect(frame, lamps ? shadows_.lightCount() : 0, lamps ? emissionScale_ : 0.0f, false);
-    if (frame.mode != ViewMode::octree) return;
+    PreviewMode* indirect = indirectOf(frame.mode);
+    if (indirect == nullptr) return;
     gl_.glEnable(GL_BLEND);
     gl_.glBlendEquation(GL_FUNC_ADD);
     gl_.glBlendFuncSeparate(GL_ONE, GL_ONE, GL_ZERO, GL_ONE);
-    vdl_->draw({*buffers_, frame.eye, false});
+    indirect->draw({*buffers_, frame.eye, false});
     gl_.glDisable(GL_BLEND);
+}
+
+PreviewMode* Renderer::indirectOf(ViewMode mode)
+{
+    switch (mode) {
+    case ViewMode::octree:
+    case ViewMode::photonMap:
+        return vdl_.get();
+    case ViewMode::colours:
+        return colours_.get();
+    case ViewMode::direct:
+    case ViewMode::plain:
+    case ViewMode::reference:
+        break;
+    }
+    return nullptr;
 }
 
 void Renderer::addToSum(bool first)

@@ -10,10 +10,12 @@ namespace lightloom {
 
 /// What the viewport shows of the scene.
 enum class ViewMode {
-    octree,   ///< direct light of the lamps and indirect light of the bake
-    direct,   ///< direct light only
-    plain,    ///< form without light: base colour times the cosine towards the camera
-    reference ///< the path-traced picture; the viewport lays it over one of the others
+    octree,    ///< direct light of the lamps and indirect light of the bake
+    colours,   ///< the same with a colour octree: accumulated illuminance without directions
+    photonMap, ///< a picture that the processor renders from the photon map; the octree until there is one
+    direct,    ///< direct light only
+    plain,     ///< form without light: base colour times the cosine towards the camera
+    reference  ///< the path-traced picture; the viewport lays it over one of the others
 };
 
 /// What is laid over it.
@@ -27,6 +29,7 @@ struct FrameView {
     float exposureEv = 10.0f;   ///< at ISO 100
     int tone = 1;               ///< kToneNone, kToneSoft
     glm::vec3 background{0.2f}; ///< as shown, not linear
+    bool showsPhotons = false;  ///< the photon map's picture covers the frame
     Overlay overlay = Overlay::none;
     float wipe = 1.0f; ///< part of the width, from the left, that the overlay covers
 };
@@ -40,6 +43,7 @@ public:
     /// Null empties the picture. The light of an earlier scene goes. Error: out of what the driver offers.
     Result<Done> setScene(std::shared_ptr<const DrawData> data);
     Result<Done> setOctree(const std::shared_ptr<const GpuOctree>& octree);
+    Result<Done> setColours(const std::shared_ptr<const GpuOctree>& octree); ///< a colour octree
     void setMix(const Mix& mix);
     [[nodiscard]] OverlayPass& overlay() { return *overlay_; }
 
@@ -61,7 +65,7 @@ public:
     [[nodiscard]] std::optional<SurfaceSample> surfaceAt(glm::vec2 at) const;
 
     /// For tests and measurements: lux (x, y, z) and 1 (w) per pixel of the last picture's surfaces, recomputed.
-    /// Rows from below. Indirect alone, or direct alone.
+    /// Rows from below. Indirect alone, from what `frame.mode` shows, or direct alone.
     [[nodiscard]] std::vector<glm::vec4> illuminance(const FrameView& frame, bool indirect);
     struct Pixels {
         glm::ivec2 size{0};
@@ -78,12 +82,13 @@ private:
     Result<Done> linkPrograms();
     void drawSurfaces(const FrameView& frame, glm::vec2 shift);
     void drawLight(const FrameView& frame);
+    [[nodiscard]] PreviewMode* indirectOf(ViewMode mode); ///< null: the mode shows no indirect light
     void drawDirect(const FrameView& frame, int lights, float emissionScale, bool showIlluminance);
     void addToSum(bool first);
 
     Gl& gl_;
     GlProgram surfaceProgram_, shadowProgram_, directProgram_, plainProgram_, postProgram_, copyProgram_;
-    std::unique_ptr<ModeVdl> vdl_;
+    std::unique_ptr<ModeVdl> vdl_, colours_;
     std::optional<OverlayPass> overlay_;
     ShadowMaps shadows_;
     GlVertexArray empty_;

@@ -57,9 +57,10 @@ std::vector<glm::vec4> Renderer::illuminance(const FrameView& frame, bool indire
     gl_.glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
     gl_.glClear(GL_COLOR_BUFFER_BIT);
     gl_.glBindVertexArray(empty_.id());
-    if (indirect) {
-        vdl_->draw({*buffers_, frame.eye, true});
-    } else {
+    PreviewMode* mode = indirectOf(frame.mode);
+    if (indirect && mode != nullptr) {
+        mode->draw({*buffers_, frame.eye, true});
+    } else if (!indirect) {
         drawDirect(frame, shadows_.lightCount(), 0.0f, true);
     }
     return readColour(gl_, buffers_->lighting.id(), GL_COLOR_ATTACHMENT0, buffers_->size);

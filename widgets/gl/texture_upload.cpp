@@ -43,9 +43,9 @@ Result<Done> fits(Gl& gl, GLenum limit, int size, const char* what)
 
 Result<OctreeTextures> uploadOctree(Gl& gl, const GpuOctree& octree)
 {
-    const int side = 2 * octree.side;
+    const glm::ivec3 size = 2 * octree.side;
     for (const Result<Done>& fit :
-         {fits(gl, GL_MAX_3D_TEXTURE_SIZE, side, "bricks"),
+         {fits(gl, GL_MAX_3D_TEXTURE_SIZE, std::max({size.x, size.y, size.z}), "bricks"),
           fits(gl, GL_MAX_TEXTURE_SIZE, std::max(octree.vdlWidth, octree.vdlHeight), "lights"),
           fits(gl, GL_MAX_TEXTURE_SIZE, std::max(octree.normalWidth, octree.normalHeight), "normals")}) {
         if (!fit) return fit.error();
@@ -55,7 +55,7 @@ Result<OctreeTextures> uploadOctree(Gl& gl, const GpuOctree& octree)
     textures.bricks = GlTexture(gl);
     gl.glActiveTexture(GL_TEXTURE0);
     gl.glBindTexture(GL_TEXTURE_3D, textures.bricks.id());
-    gl.glTexImage3D(GL_TEXTURE_3D, 0, GL_RGBA8UI, side, side, side, 0, GL_RGBA_INTEGER, GL_UNSIGNED_BYTE,
+    gl.glTexImage3D(GL_TEXTURE_3D, 0, GL_RGBA8UI, size.x, size.y, size.z, 0, GL_RGBA_INTEGER, GL_UNSIGNED_BYTE,
                     octree.bricks.data());
     readByFetch(gl, GL_TEXTURE_3D);
     textures.vdls = makeTexture2D(gl, GL_RGBA16UI, {octree.vdlWidth, octree.vdlHeight}, GL_RGBA_INTEGER,

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/photonmap/christensen_cache.h"
+#include "core/base/units.h"
+#include <atomic>
+#include <cmath>
+
+namespace lightloom {
+namespace {
+
+constexpr std::size_t kBlock = 256; ///< points that one thread takes at a time
+
+std::size_t pointsOf(const PhotonMap& map)
+{
+    return (map.size() + ChristensenCache::kEvery - 1) / ChristensenCache::kEvery;
+}
+
+/// Density estimation at a photon; `values` are as large as there are points.
+void estimate(const PhotonMap& map, const SurfaceArea& area, const DensityKernel& kernel, std::size_t point,
+              Gathered& gathered, ChristensenCache::Values& values)
+{
+    const Photon& photon = map.photon(static_cast<std::uint32_t>(point * ChristensenCache::kEvery));
+    const Density density = estimateDensity(map, area, kernel, photon.position, photon.normal, gathered);
+    glm::dvec3 flux(0.0);
+    double squares = 0.0;
+    for (const std::uint32_t i : gathered.photons) {
+        const glm::vec3 one = map.photon(i).flux;
+        const auto luma = static_cast<double>(luminance(one));
+        flux += glm::dvec3(one);
+        squares += luma * luma;
+    }
+    values.lux[point] = glm::vec3(flux * density.perFlux);
+    values.noise[point] = static_cast<float>(std::sqrt(squares) * density.perFlux);
+}
+
+} // namespace
+
+std::shared_ptr<const ChristensenCache> ChristensenCache::build(const PhotonMap& map, const SurfaceArea& area,
+                                                                const DensityKernel& kernel, BakeControl& control,
+                                                                const std::function<void(double)>& progress)
+{
+    const std::size_t count = pointsOf(map), blocks = (count + kBlock - 1) / kBlock;
+    Values values{std::vector<glm::vec3>(count), std::vector<float>(count)};
+    std::atomic<std::size_t> done = 0;
+    const bool all = control.forBlocks(blocks, [&](std::size_t block) {
+        thread_local Gathered gathered;
+        for (std::size_t i = block * kBlock; i < std::min(count, (block + 1) * kBlock); ++i) {
+            if (control.isStopped()) return;
+            estimate(map, area, kernel, i, gathered, values);
+        }
+        if (progress) progress(static_cast<double>(++done) / static_cast<double>(blocks));
+    });
+    if (!all || control.isStopped()) return nullptr;
+    return from(map, kernel, std::move(values), control.stop());
+}
+
+std::shared_ptr<const ChristensenCache> ChristensenCache::from(const PhotonMap& map, const DensityKernel& kernel,
+                                                               Values values, const std::stop_token& stop)
+{
+    const std::size_t count = pointsOf(map);
+    if (values.lux.size() != count || values.noise.size() != count) return nullptr;
+    auto kept = std::make_shared<PhotonPaths>();
+    kept->photons.reserve(count);
+    for (std::size_t i = 0; i < count; ++i) kept->photons.push_back(map.photon(static_cast<std::uint32_t>(i * kEvery)));
+    auto points = PhotonMap::build(std::move(kept), stop);
+    if (!points) return nullptr;
+    return std::shared_ptr<const ChristensenCache>(new ChristensenCache(std::move(points), kernel, std::move(values)));
+}
+
+std::optional<ChristensenCache::Found> ChristensenCache::lookup(glm::vec3 p, glm::vec3 n) const
+{
+    thread_local Gathered gathered;
+    points_->gather({p, n, kernel_.cap, kernel_.stretch, kernel_.leastCosine, 1}, gathered);
+    if (gathered.photons.empty()) return std::nullopt;
+    const std::uint32_t nearest = gathered.photons.front();
+    return Found{values_.lux[nearest], values_.noise[nearest]};
+}
+
+std::size_t ChristensenCache::memoryBytes() const
+{
+    return points_->memoryBytes() + values_.lux.size() * (sizeof(glm::vec3) + sizeof(float));
+}
+
+} // namespace lightloom
