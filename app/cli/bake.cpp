@@ -12,18 +12,6 @@
 namespace lightloom::cli {
 namespace {
 
-BakeInfo describe(const Lighting& lighting)
-{
-    BakeInfo info;
-    info.method = lighting.method;
-    info.params = lighting.params;
-    info.isa = std::string(lighting.lit.rays->isaName());
-    info.sceneHash = sceneHash(*lighting.lit.scene);
-    for (const LightGroup& group : lighting.lit.scene->groups) info.groups.push_back(group.id);
-    info.program = LIGHTLOOM_VERSION;
-    return info;
-}
-
 constexpr std::uint64_t kNoisePoints = 1000;
 
 std::optional<double> noiseOf(const Lighting& lighting)
@@ -123,7 +111,7 @@ int bake(const Context& context, const BakeCommand& command)
     if (const Result<Done> writable = checkOutput(command.output); !writable) return failWriting(writable.error());
     const Result<Lighting> lighting = prepareLighting(context, request, 1.0);
     if (!lighting) return fail(lighting.error());
-    const BakeInfo info = describe(*lighting);
+    const BakeInfo info = bakeInfo(*lighting);
     const Result<std::vector<std::uint8_t>> bytes = bakeBytes(*lighting->field, info, *lighting->lit.scene);
     if (!bytes) return fail(bytes.error());
     if (const Result<Done> wrote = writeFile(command.output, *bytes); !wrote) return failWriting(wrote.error());

@@ -115,4 +115,13 @@ struct SweepCommand {
 };
 int sweep(const Context& context, const SweepCommand& command);
 
+struct ExportCommand {
+    std::string bakeFile, scene, lightmap, gltf, volume; ///< empty: not wanted
+    int size = 1024;
+    std::optional<double> texelsPerMetre;
+    bool withDirect = false, sceneUv = false;
+    BakeOptions options; ///< how the bake is shown
+};
+int exportBake(const Context& context, const ExportCommand& command);
+
 } // namespace lightloom::cli

@@ -44,6 +44,7 @@ struct Spoken {
     cli::RenderCommand render;
     cli::CompareCommand compare;
     cli::SweepCommand sweep;
+    cli::ExportCommand exported;
 };
 
 class CommandLine {
@@ -62,6 +63,7 @@ public:
         addRender();
         addCompare();
         addSweep();
+        addExport();
         addParams();
         addMakeScene();
     }
@@ -323,6 +325,29 @@ private:
         command->add_option("--scene", c.scene, "The bake's scene")->option_text("SCENE");
         command->add_option("--camera", c.camera, "Camera of a picture that does not tell its own")
             ->option_text("NAME|INDEX");
+        addSet(*command);
+    }
+
+    void addExport()
+    {
+        cli::ExportCommand& c = spoken_.exported;
+        CLI::App* command = addCommand("export", "A finished bake for other programs", [this] {
+            spoken_.exported.options = bakeOptions();
+            return cli::exportBake(spoken_.context, spoken_.exported);
+        });
+        command->add_option("BAKE", c.bakeFile, "A finished bake")->required();
+        command->add_option("--scene", c.scene, "The scene it was baked for")->required()->option_text("SCENE");
+        command->add_option("--lightmap", c.lightmap, "Lux on every surface, unfolded")->option_text("OUT.exr");
+        command->add_option("--gltf", c.gltf, "The scene with its lightmap; an .exr goes beside it")
+            ->option_text("OUT.glb");
+        command->add_option("--volume", c.volume, "The octree's leaves as OpenVDB grids")->option_text("OUT.vdb");
+        auto* size = command->add_option("--atlas-size", c.size, "Texels a side of the lightmap, 1024 without")
+                         ->option_text("N");
+        auto* density =
+            command->add_option("--texels-per-metre", c.texelsPerMetre, "Detail, instead of a size")->option_text("N");
+        size->excludes(density);
+        command->add_flag("--with-direct", c.withDirect, "Direct light in the lightmap too; no lamps in OUT.glb");
+        command->add_flag("--scene-uv", c.sceneUv, "The scene's own second UV set instead of new charts");
         addSet(*command);
     }
 

@@ -182,6 +182,18 @@ Result<Lighting> prepareLighting(const Context& context, const LightingRequest& 
     return lighting;
 }
 
+BakeInfo bakeInfo(const Lighting& lighting)
+{
+    BakeInfo info;
+    info.method = lighting.method;
+    info.params = lighting.params;
+    info.isa = std::string(lighting.lit.rays->isaName());
+    info.sceneHash = sceneHash(*lighting.lit.scene);
+    for (const LightGroup& group : lighting.lit.scene->groups) info.groups.push_back(group.id);
+    info.program = LIGHTLOOM_VERSION;
+    return info;
+}
+
 ReferenceStore storeOf(const Context& context, const std::string& scene, const CacheUse& cache)
 {
     return cache.isUsed ? ReferenceStore(scene, context.log, cache.resume) : ReferenceStore();

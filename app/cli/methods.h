@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "app/cli/budget.h"
+#include "core/bake/bake_file.h"
 #include "core/field/bake_products.h"
 #include "core/field/indirect_field.h"
 
@@ -43,6 +44,9 @@ struct LightingRequest {
 /// render.samples). Errors: also a bake of another scene or method.
 [[nodiscard]] Result<Lighting> prepareLighting(const Context& context, const LightingRequest& request,
                                                double bakeShare);
+
+/// What a file says about the bake.
+[[nodiscard]] BakeInfo bakeInfo(const Lighting& lighting);
 
 /// References of the scene's file, as the command line wants them used.
 [[nodiscard]] ReferenceStore storeOf(const Context& context, const std::string& scene, const CacheUse& cache);

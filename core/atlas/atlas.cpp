@@ -145,7 +145,9 @@ Result<std::shared_ptr<Atlas>> fromCharts(const RayScene& rays, const std::vecto
     return atlas;
 }
 
-Result<Done> checkOptions(const AtlasOptions& options)
+} // namespace
+
+Result<Done> checkAtlasOptions(const AtlasOptions& options)
 {
     const bool isSizeFine = options.size >= kLeastAtlas && options.size <= kMostAtlas && options.size % kBlock == 0;
     if (!isSizeFine) {
@@ -159,8 +161,6 @@ Result<Done> checkOptions(const AtlasOptions& options)
     }
     return Done{};
 }
-
-} // namespace
 
 std::optional<std::size_t> Atlas::find(std::uint32_t side) const
 {
@@ -192,7 +192,7 @@ Result<std::shared_ptr<const Atlas>> makeAtlas(const RayScene& rays, const Light
                                                const AtlasOptions& options, Workers& workers,
                                                const std::stop_token& stop, const std::function<void(double)>& progress)
 try {
-    if (const Result<Done> fine = checkOptions(options); !fine) return fine.error();
+    if (const Result<Done> fine = checkAtlasOptions(options); !fine) return fine.error();
     const AtlasSides sides = atlasSides(rays, reach);
     const Result<std::shared_ptr<Atlas>> made = options.useSceneUv
                                                     ? atlasFromSceneUv(rays, sides.lit, options.size, stop)

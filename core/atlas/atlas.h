@@ -14,6 +14,8 @@ struct AtlasOptions {
     double texelsPerMetre = 0.0; ///< over 0: the least power of two a side that holds so many, instead of `size`
     bool useSceneUv = false;     ///< the scene's own second UV set instead of new charts; `size` counts
 };
+/// Sizes and densities out of range.
+[[nodiscard]] Result<Done> checkAtlasOptions(const AtlasOptions& options);
 inline constexpr int kLeastAtlas = 16, kMostAtlas = 4096;
 
 /// What an atlas is like.

@@ -22,7 +22,7 @@ Sha256::Digest sumOf(const void* bytes, std::size_t count)
 
 } // namespace
 
-std::vector<std::uint8_t> sealVdb(std::string stream)
+std::string withContentUuid(std::string stream)
 {
     if (stream.size() >= kUuidAt + kUuidLength) {
         std::fill_n(stream.begin() + kUuidAt, kUuidLength, '0');
@@ -31,6 +31,12 @@ std::vector<std::uint8_t> sealVdb(std::string stream)
         for (const std::size_t dash : {8u, 13u, 18u, 23u}) uuid.insert(dash, 1, '-');
         std::ranges::copy(uuid, stream.begin() + kUuidAt);
     }
+    return stream;
+}
+
+std::vector<std::uint8_t> sealVdb(std::string stream)
+{
+    stream = withContentUuid(std::move(stream));
     const Sha256::Digest digest = sumOf(stream.data(), stream.size());
     std::vector<std::uint8_t> file(stream.begin(), stream.end());
     file.insert(file.end(), kMark.begin(), kMark.end());

@@ -8,6 +8,9 @@
 
 namespace lightloom {
 
+/// The bytes of an OpenVDB stream with its random UUID replaced by one made from the content.
+[[nodiscard]] std::string withContentUuid(std::string stream);
+
 /// Makes the bytes of an OpenVDB stream reproducible and checkable: its random UUID is replaced by one made from the
 /// content, and a trailer follows: "LLSUM1" and the SHA-256 of all before it. Other programs read the file as before:
 /// OpenVDB stops at the end of its last grid.

@@ -48,15 +48,15 @@ glm::dquat aim(glm::dvec3 travel)
 
 class Writer {
 public:
-    explicit Writer(const Scene& scene) : scene_(scene) {}
+    Writer(const Scene& scene, const GltfLightmap* lightmap) : scene_(scene), lightmap_(lightmap) {}
 
     Result<std::vector<std::uint8_t>> write()
     {
         for (const Image& image : scene_.images) {
-            const Result<std::vector<std::uint8_t>> png = pngBytes(image);
-            if (!png) return png.error();
-            images_.push_back({{"mimeType", "image/png"}, {"bufferView", buffer_.addBlob(*png)}});
-            nameIt(images_.back(), image.name);
+            if (const Result<Done> added = addImage(image); !added) return added.error();
+        }
+        if (lightmap_) {
+            if (const Result<Done> added = addImage(lightmap_->image); !added) return added.error();
         }
         for (const Material& material : scene_.materials) materials_.push_back(materialOf(material));
         findJoinedGroups();
@@ -74,6 +74,15 @@ private:
 
     // --- materials
 
+    Result<Done> addImage(const Image& image)
+    {
+        const Result<std::vector<std::uint8_t>> png = pngBytes(image);
+        if (!png) return png.error();
+        images_.push_back({{"mimeType", "image/png"}, {"bufferView", buffer_.addBlob(*png)}});
+        nameIt(images_.back(), image.name);
+        return Done{};
+    }
+
     int samplerOf(const Texture& t)
     {
         static constexpr std::array<int, 3> kWrap{10497, 33071, 33648}; // GL: repeat, clamp to edge, mirrored repeat
@@ -87,7 +96,7 @@ private:
     json textureOf(const Texture& t)
     {
         json info{{"index", indexOf(textures_, {{"source", t.image}, {"sampler", samplerOf(t)}})}};
-        if (t.uvSet != 0) info["texCoord"] = t.uvSet;
+        if (t.uvSet != 0) info["texCoord"] = t.uvSet + (lightmap_ ? 1 : 0);
         json transform = json::object();
         if (t.offset != glm::vec2(0.0f)) transform["offset"] = array(t.offset);
         if (t.scale != glm::vec2(1.0f)) transform["scale"] = array(t.scale);
@@ -135,7 +144,19 @@ private:
         if (m.alpha == Material::Alpha::mask) out["alphaCutoff"] = tidy(m.alphaCutoff);
         addEmission(m, out);
         addGlass(m, out);
+        addLightmap(out);
         return out;
+    }
+
+    /// No mip levels: from the third on charts would run into each other.
+    void addLightmap(json& out)
+    {
+        if (!lightmap_) return;
+        const json sampler{{"wrapS", 33071}, {"wrapT", 33071}, {"magFilter", 9729}, {"minFilter", 9729}};
+        const json texture{{"source", images_.size() - 1}, {"sampler", indexOf(samplers_, sampler)}};
+        out["extensions"]["MOZ_lightmap"] =
+            use("MOZ_lightmap",
+                {{"index", indexOf(textures_, texture)}, {"texCoord", 1}, {"intensity", tidy(lightmap_->intensity)}});
     }
 
     void addEmission(const Material& m, json& out)
@@ -293,7 +314,13 @@ private:
         if (!mesh.normals.empty()) attributes["NORMAL"] = buffer_.addFloats(mesh.normals);
         if (!mesh.tangents.empty()) attributes["TANGENT"] = buffer_.addFloats(mesh.tangents);
         if (!mesh.uv[0].empty()) attributes["TEXCOORD_0"] = buffer_.addFloats(mesh.uv[0]);
-        if (!mesh.uv[1].empty()) attributes["TEXCOORD_1"] = buffer_.addFloats(mesh.uv[1]);
+        const char* second = "TEXCOORD_1";
+        if (lightmap_) {
+            attributes["TEXCOORD_1"] = buffer_.addFloats(lightmap_->uv[static_cast<std::size_t>(index)]);
+            if (mesh.uv[0].empty()) attributes["TEXCOORD_0"] = attributes["TEXCOORD_1"]; // sets count on from 0
+            second = "TEXCOORD_2";
+        }
+        if (!mesh.uv[1].empty()) attributes[second] = buffer_.addFloats(mesh.uv[1]);
         if (!mesh.colors.empty()) attributes["COLOR_0"] = buffer_.addFloats(mesh.colors);
         primitive = {{"attributes", attributes},
                      {"indices", buffer_.addTriangles(mesh.triangles, mesh.positions.size())},
@@ -346,6 +373,13 @@ private:
         if (!roots_.empty()) root["nodes"] = roots_;
         if (scene_.exposureEv) root["extras"]["lightloom"]["exposure"] = tidy(*scene_.exposureEv);
         out["scenes"] = {root};
+        if (lightmap_) {
+            out["scenes"][0]["extras"]["lightloom"]["lightmap"] = {{"file", lightmap_->hdrFile},
+                                                                   {"unit", "lux"},
+                                                                   {"texCoord", 1},
+                                                                   {"intensity", tidy(lightmap_->intensity)},
+                                                                   {"light", lightmap_->light}};
+        }
         const auto put = [&](const char* key, json& list) {
             if (!list.empty()) out[key] = std::move(list);
         };
@@ -393,6 +427,7 @@ private:
     }
 
     const Scene& scene_;
+    const GltfLightmap* lightmap_; // may be null
     GlbBuffer buffer_;
     json images_ = json::array(), samplers_ = json::array(), textures_ = json::array(), materials_ = json::array();
     json meshes_ = json::array(), nodes_ = json::array(), lights_ = json::array(), cameras_ = json::array();
@@ -406,7 +441,10 @@ private:
 
 } // namespace
 
-Result<std::vector<std::uint8_t>> gltfBytes(const Scene& scene) { return Writer(scene).write(); }
+Result<std::vector<std::uint8_t>> gltfBytes(const Scene& scene, const GltfLightmap* lightmap)
+{
+    return Writer(scene, lightmap).write();
+}
 
 Result<Done> writeGltf(const Scene& scene, const std::filesystem::path& path)
 {

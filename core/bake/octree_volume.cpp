@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/bake/octree_volume.h"
+#include "core/bake/vdb_file.h"
+#include "core/bake/vdb_seal.h"
+#include "core/base/units.h"
+#include "core/octree/light_octree.h"
+#include "core/params/param_text.h"
+#include "core/trace/cell_clip.h"
+#include <fmt/format.h>
+
+namespace lightloom {
+namespace {
+
+/// Lux per channel of each entry on its own surface, all lamps under the mix.
+std::vector<glm::vec3> litEntries(const LightOctree& octree)
+{
+    std::vector<glm::vec3> lux(octree.geometry().entries.size(), glm::vec3(0.0f));
+    for (const auto& layer : octree.layers()) {
+        if (!layer) continue;
+        const glm::vec3 gain = gainOf(octree.mix(), layer->group);
+        for (std::size_t e = 0; e < lux.size(); ++e) lux[e] += gain * layer->scalar[e];
+    }
+    return lux;
+}
+
+/// What each leaf shows of its entries.
+struct Leaves {
+    std::vector<glm::ivec3> cells;
+    std::vector<std::uint32_t> largest; ///< entry
+    std::vector<glm::vec3> irradiance;
+    std::vector<float> illuminance, area;
+};
+
+Leaves leavesOf(const LightOctree& octree)
+{
+    const OctreeGeometry& geometry = octree.geometry();
+    const std::vector<glm::vec3> lux = litEntries(octree);
+    Leaves leaves;
+    for (std::size_t i = 0; i < geometry.cells.size(); ++i) {
+        glm::dvec3 sum(0.0);
+        double area = 0.0;
+        std::uint32_t largest = geometry.firstEntry[i];
+        for (std::uint32_t e = geometry.firstEntry[i]; e < geometry.firstEntry[i + 1]; ++e) {
+            const OctreeEntry& entry = geometry.entries[e];
+            sum += glm::dvec3(lux[e]) * double(entry.area);
+            area += double(entry.area);
+            if (entry.area > geometry.entries[largest].area) largest = e;
+        }
+        const glm::vec3 mean = area > 0.0 ? glm::vec3(sum / area) : lux[largest];
+        leaves.cells.emplace_back(mortonCell(geometry.cells[i]));
+        leaves.largest.push_back(largest);
+        leaves.irradiance.push_back(mean);
+        leaves.illuminance.push_back(luminance(mean));
+        leaves.area.push_back(static_cast<float>(area));
+    }
+    return leaves;
+}
+
+void describe(const BakeInfo& info, VdbFile& file)
+{
+    file.set("creator", "Lightloom " + info.program);
+    file.set("lightloom.unit", std::string("lux"));
+    file.set("lightloom.method", std::string(methodName(info.method)));
+    file.set("lightloom.scene", toHex(info.sceneHash));
+    file.set("lightloom.isa", info.isa);
+    for (const ParamSpec& spec : kParams) {
+        file.set(fmt::format("lightloom.{}", spec.key), paramText(info.params, spec));
+    }
+}
+
+} // namespace
+
+Result<std::vector<std::uint8_t>> octreeVolume(const LightOctree& octree, const BakeInfo& info, const Scene& scene)
+try {
+    const OctreeGeometry& geometry = octree.geometry();
+    const VdbFile::Lattice lattice{scene.toFile(geometry.lowest), double(geometry.cellSize())};
+    const Leaves leaves = leavesOf(octree);
+    VdbFile file;
+    describe(info, file);
+    const auto add = [&](const std::string& name, const auto& values) {
+        file.add(name, lattice, leaves.cells, std::span(values));
+    };
+    add("irradiance", leaves.irradiance);
+    add("illuminance", leaves.illuminance);
+    add("area", leaves.area);
+
+    int most = 1;
+    for (const auto& layer : octree.layers()) most = layer ? std::max(most, layer->count) : most;
+    std::vector<glm::vec3> normals;
+    std::vector<std::vector<glm::vec3>> colours(static_cast<std::size_t>(most)), directions(colours);
+    for (const std::uint32_t e : leaves.largest) {
+        normals.push_back(geometry.entries[e].normal);
+        const std::vector<Vdl> vdls = octree.mixed(e, most);
+        for (std::size_t j = 0; j < vdls.size(); ++j) {
+            colours[j].push_back(vdls[j].colour);
+            directions[j].push_back(vdls[j].toLight);
+        }
+    }
+    add("normal", normals);
+    for (std::size_t j = 0; j < colours.size(); ++j) {
+        add(fmt::format("vdl{}_colour", j), colours[j]);
+        add(fmt::format("vdl{}_direction", j), directions[j]);
+    }
+    const std::string bytes = withContentUuid(file.bytes());
+    return std::vector<std::uint8_t>(bytes.begin(), bytes.end());
+} catch (const std::bad_alloc&) {
+    return Error{Error::Kind::outOfMemory, "not enough memory for the volume"};
+} catch (const std::exception& failure) {
+    return Error{Error::Kind::io, fmt::format("the volume could not be made: {}", failure.what())};
+}
+
+} // namespace lightloom
