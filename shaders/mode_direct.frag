@@ -22,6 +22,7 @@ uniform sampler2D gPosition, gNormal, gBase, gEmission;
 uniform float emissionScale;
 uniform vec3 eye;
 uniform int showIlluminance; // 1: lux on the surface instead of radiance
+uniform int mirrors;         // 1: environment maps are added, and show glowing surfaces themselves
 
 out vec4 radiance;
 
@@ -86,6 +87,8 @@ void main()
     vec3 n = normal.xyz;
     vec3 toEye = normalize(eye - p);
     float alpha = normal.w * normal.w;
+    vec4 emission = texelFetch(gEmission, at, 0);
+    bool isMirrored = mirrors == 1 && emission.w > 0.5 && normal.w <= kMirrorsBelow;
     vec3 f0 = base.xyz * base.w;
     vec3 illuminance = vec3(0.0), glossy = vec3(0.0);
     for (int i = 0; i < lightCount; ++i) {
@@ -96,12 +99,13 @@ void main()
         if (facing <= 0.0 || e.x + e.y + e.z <= 0.0) continue;
         e *= shadowOf(lights[i], p, n, along);
         illuminance += e * facing;
+        if (isMirrored && int(lights[i].position.w) == kLampSurface) continue;
         if (base.w > 0.0) glossy += e * metalReflects(f0, max(alpha, 0.01), n, toLight, toEye);
     }
     if (showIlluminance == 1) {
         radiance = vec4(illuminance, 1.0);
         return;
     }
-    vec3 glow = texelFetch(gEmission, at, 0).xyz * emissionScale;
+    vec3 glow = emission.xyz * emissionScale;
     radiance = vec4(lambert(base.xyz * (1.0 - base.w), illuminance) + glossy + glow, 1.0);
 }

@@ -15,9 +15,10 @@ uniform int vdlWidth, normalWidth;
 uniform vec3 lowest;
 uniform float cellSize;
 uniform float colourScale;
-uniform sampler2D gPosition, gNormal, gBase;
+uniform sampler2D gPosition, gNormal, gBase, gEmission;
 uniform vec3 eye;
 uniform int showIlluminance; // 1: lux on the surface instead of radiance
+uniform int mirrors;         // 1: environment maps are added, for metals that have one
 
 out vec4 radiance;
 
@@ -77,10 +78,11 @@ void main()
         radiance = vec4(light.xyz, 1.0);
         return;
     }
-    // a colour octree has nothing that a gloss could mirror: metals are lit like matt paint
-    float metal = hasDirections == 1 ? base.w : 0.0;
+    bool isMirrored = mirrors == 1 && normal.w <= kMirrorsBelow && texelFetch(gEmission, pixel, 0).w > 0.5;
+    // a colour octree has nothing that a gloss could mirror: other metals are lit like matt paint
+    float metal = hasDirections == 1 || isMirrored ? base.w : 0.0;
     vec3 glossy = vec3(0.0);
-    if (metal > 0.0) {
+    if (metal > 0.0 && !isMirrored) {
         vec3 toEye = normalize(eye - place.xyz);
         glossy = glossyRadiance(place.xyz, n, base.xyz * metal, max(normal.w * normal.w, kLeastGloss), toEye);
     }

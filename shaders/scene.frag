@@ -9,6 +9,7 @@ in vec4 vColour;
 uniform vec4 baseColour;
 uniform vec2 metallicRoughness;
 uniform vec3 emission; // already divided by the frame's emission scale
+uniform float environment; // 1 + number of the object's environment map; 0: none
 uniform float normalScale; // 0: no normal map
 uniform float alphaCutoff; // below it: cut out; negative: opaque
 // transforms of texture coordinates, and which set (0 or 1) they start from
@@ -19,7 +20,7 @@ uniform sampler2D baseTexture, materialTexture, normalTexture, emissionTexture;
 layout(location = 0) out vec4 gPosition; // w: 1 where there is a surface
 layout(location = 1) out vec4 gNormal;   // w: roughness
 layout(location = 2) out vec4 gBase;     // linear; w: metallic
-layout(location = 3) out vec4 gEmission;
+layout(location = 3) out vec4 gEmission; // w: environment
 
 vec2 uvOf(mat3 transform, float set)
 {
@@ -54,5 +55,5 @@ void main()
     gPosition = vec4(vWorld, 1.0);
     gNormal = vec4(n, metallicRoughness.y * material.y);
     gBase = vec4(base.xyz, metallicRoughness.x * material.z);
-    gEmission = vec4(emission * texture(emissionTexture, uvOf(emissionUv, uvSets.w)).xyz, 1.0);
+    gEmission = vec4(emission * texture(emissionTexture, uvOf(emissionUv, uvSets.w)).xyz, environment);
 }

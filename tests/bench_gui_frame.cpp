@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frame time of octree mode against plain mode, both in one run and in turn, so that the machine's mood hits both.
+// Frame time of each mode against plain mode, all in one run and in turn, so that the machine's mood hits all.
 // Run: xvfb-run -a -s "-screen 0 1280x1024x24" bench_gui_frame [SCENE NAME] [WIDTHxHEIGHT]
 #include "core/scene/sample_scenes.h"
 #include "tests/bench_clock.h"
@@ -32,28 +32,42 @@ int main(int argc, char** argv)
     const auto octree = bakeOctree(scene, params);
     GlFixture gl;
     if (!octree || !gl.start(size)) return fmt::print(stderr, "no bake or no OpenGL 3.3\n"), 1;
-    const auto gpu = makeGpuOctree(*octree);
+    const auto gpu = makeGpuOctree(*octree), colours = makeGpuOctree(*octree->showing(OctreeShow::colour));
     auto renderer = Renderer::make(*gl.gl);
-    if (!gpu || !renderer) return 1;
+    if (!gpu || !colours || !renderer) return 1;
     Renderer& draw = **renderer;
-    if (!draw.setScene(makeDrawData(scene)) || !draw.setOctree(std::make_shared<GpuOctree>(*gpu))) return 1;
+    if (!draw.setScene(makeDrawData(scene)) || !draw.setOctree(std::make_shared<GpuOctree>(*gpu)) ||
+        !draw.setColours(std::make_shared<GpuOctree>(*colours))) {
+        return 1;
+    }
     while (!draw.drawShadows(1000.0)) {
     }
+    QElapsedTimer mirrors;
+    mirrors.start();
+    while (!draw.drawEnvironments(1000.0)) {
+    }
+    const double mirrorsMs = static_cast<double>(mirrors.nsecsElapsed()) * 1e-6;
+    draw.overlay().setPhotons(FloatImage(size.x, size.y));
 
     const struct {
         const char* label;
         ViewMode mode;
         bool indirectOnly;
+        bool showsPhotons = false;
     } modes[] = {{"plain", ViewMode::plain, false},
                  {"direct", ViewMode::direct, false},
                  {"octree, indirect only", ViewMode::octree, true},
-                 {"octree", ViewMode::octree, false}};
+                 {"octree", ViewMode::octree, false},
+                 {"colours, indirect only", ViewMode::colours, true},
+                 {"colours", ViewMode::colours, false},
+                 {"photon map's picture", ViewMode::plain, false, true}};
     std::vector<double> times[std::size(modes)];
     FrameView frame = viewOf(*scene, 0, size);
     for (int round = 0; round < kRounds; ++round) {
         for (std::size_t i = 0; i < std::size(modes); ++i) {
             frame.mode = modes[i].mode;
             frame.indirectOnly = modes[i].indirectOnly;
+            frame.showsPhotons = modes[i].showsPhotons;
             QElapsedTimer clock;
             clock.start();
             if (!draw.draw(frame, 0, size, gl.target(), size)) return 1;
@@ -66,6 +80,10 @@ int main(int argc, char** argv)
                gpu->vdlCount, reinterpret_cast<const char*>(gl.gl->glGetString(GL_RENDERER)));
     for (std::size_t i = 0; i < std::size(modes); ++i) {
         fmt::print("{:24} {:8.1f} ms  {:5.2f} x plain\n", modes[i].label, median(times[i]), median(times[i]) / plain);
+    }
+    if (draw.environmentCount() > 0) {
+        fmt::print("{} environment maps, once per light: {:.1f} ms a face\n", draw.environmentCount(),
+                   mirrorsMs / (6.0 * draw.environmentCount()));
     }
     return 0;
 }

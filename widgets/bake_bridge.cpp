@@ -87,6 +87,7 @@ void BakeBridge::publish(Snapshot snapshot)
     }
     view.cpuSeconds = allCpuSeconds(session_->products().counters.stages);
     // the solver made these for the same scene, so that this only finds them; a newer job will publish its own
+    view.params = job.params;
     if (job.scene) {
         BakeControl control(*workers_, {});
         const Result<SceneProducts> found = sceneProducts(job, session_->products(), control);

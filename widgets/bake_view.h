@@ -20,6 +20,7 @@ struct BakeView {
     std::shared_ptr<const GpuOctree> gpuOfColours; ///< the same for the viewport; as `gpu`
     QString problem;                               ///< why there is nothing to show; empty: there is
     std::shared_ptr<const PhotonMapField> photons; ///< that it was baked from, under the same mix; null: not known
+    BakeParams params;                             ///< that it was baked with
     std::uint64_t mixSerial = 0;
     std::shared_ptr<const RayScene> rays;                         ///< of the same scene, for measuring direct light
     std::shared_ptr<const LightSampler> lights;                   ///< of the same scene

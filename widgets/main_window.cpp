@@ -8,6 +8,7 @@
 #include "widgets/message_bar.h"
 #include "widgets/param_panel.h"
 #include "widgets/photon_desk.h"
+#include "widgets/pick_desk.h"
 #include "widgets/scene_dock.h"
 #include "widgets/scene_loader.h"
 #include "widgets/snapshot_bar.h"
@@ -194,6 +195,7 @@ void MainWindow::setScene(std::shared_ptr<const DrawData> opened, const QString&
     sweepPanel_->setScene(data_->scene, file);
     if (compareDesk_ != nullptr) {
         photonDesk_->forget();
+        pickDesk_->forget();
         compareDesk_->setScene(file);
         compareDesk_->setMix(mix_);
     }
@@ -369,6 +371,7 @@ void MainWindow::judgeView()
     const BakeView* view = snapshots_->shown();
     if (compareDesk_ != nullptr && view != nullptr && view->mixSerial == mixSerial_) {
         photonDesk_->setView(*view);
+        pickDesk_->setView(*view);
         compareDesk_->setView(asShown(*view));
     }
 }

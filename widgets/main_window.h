@@ -31,6 +31,7 @@ class LegendStrip;
 class MessageBar;
 class ParamPanel;
 class PhotonDesk;
+class PickDesk;
 class SceneDock;
 class SceneLoader;
 class SnapshotBar;
@@ -63,6 +64,7 @@ public:
     [[nodiscard]] BakePanel& bakePanel() const { return *bakePanel_; }
     [[nodiscard]] CompareDesk* compareDesk() const { return compareDesk_; } ///< null without OpenGL
     [[nodiscard]] PhotonDesk* photonDesk() const { return photonDesk_; }    ///< likewise
+    [[nodiscard]] PickDesk* pickDesk() const { return pickDesk_; }          ///< likewise
     [[nodiscard]] ComparePanel& comparePanel() const { return *comparePanel_; }
     [[nodiscard]] SweepPanel& sweepPanel() const { return *sweepPanel_; }
     [[nodiscard]] LegendStrip& legend() const { return *legend_; }
@@ -164,6 +166,7 @@ private:
     SnapshotBar* snapshots_ = nullptr;
     CompareDesk* compareDesk_ = nullptr;
     PhotonDesk* photonDesk_ = nullptr;
+    PickDesk* pickDesk_ = nullptr;
     ComparePanel* comparePanel_ = nullptr;
     LegendStrip* legend_ = nullptr;
     SweepPanel* sweepPanel_ = nullptr;
@@ -175,7 +178,8 @@ private:
     QAction *open_ = nullptr, *reload_ = nullptr, *quit_ = nullptr, *frame_ = nullptr, *indirect_ = nullptr,
             *brighter_ = nullptr, *darker_ = nullptr, *lightTheme_ = nullptr, *start_ = nullptr, *pause_ = nullptr,
             *cancel_ = nullptr, *resetParams_ = nullptr, *shortcuts_ = nullptr, *about_ = nullptr, *undo_ = nullptr,
-            *redo_ = nullptr, *swapModes_ = nullptr, *lastMode_ = nullptr, *reference_ = nullptr, *wipe_ = nullptr;
+            *redo_ = nullptr, *swapModes_ = nullptr, *lastMode_ = nullptr, *reference_ = nullptr, *wipe_ = nullptr,
+            *pick_ = nullptr;
     QActionGroup *modes_ = nullptr, *shown_ = nullptr;
     QList<QAction*> bakeModes_; ///< those of `modes_` that show a bake
 };

@@ -7,6 +7,7 @@
 #include "widgets/legend_strip.h"
 #include "widgets/main_window.h"
 #include "widgets/photon_desk.h"
+#include "widgets/pick_desk.h"
 #include "widgets/sweep_panel.h"
 #include "widgets/viewport.h"
 #include "widgets/wipe_handle.h"
@@ -47,6 +48,9 @@ void MainWindow::makeCompareActions()
     wipe_ = makeAction(tr("&Wipe"), QKeySequence(Qt::Key_C),
                        tr("Reference on the left, bake on the right of an edge that can be moved"));
     wipe_->setCheckable(true);
+    pick_ = makeAction(tr("&Pick a cell"), QKeySequence(Qt::Key_P),
+                       tr("Click a surface to see what the octree keeps there; again to put it away"));
+    pick_->setCheckable(true);
 }
 
 QWidget* MainWindow::makeComparePanel()
@@ -82,11 +86,13 @@ void MainWindow::connectCompare()
         for (QAction* action : shown_->actions()) action->setEnabled(false);
         reference_->setEnabled(false);
         wipe_->setEnabled(false);
+        pick_->setEnabled(false);
         return;
     }
     auto* handle = new WipeHandle(viewport_);
     compareDesk_ = new CompareDesk({viewport_, comparePanel_, handle, legend_, reference_, wipe_}, this);
     connect(compareDesk_, &CompareDesk::tracing, this, &MainWindow::tellBusy);
+    pickDesk_ = new PickDesk(viewport_, worker_, pick_, this);
     photonDesk_ = new PhotonDesk(viewport_, this);
     connect(photonDesk_, &PhotonDesk::stateChanged, this,
             [this] { compareDesk_->showPhotonState(photonDesk_->stateText()); });

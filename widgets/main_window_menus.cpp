@@ -150,6 +150,7 @@ void MainWindow::buildMenus()
     view->addActions(modes_->actions());
     view->addActions({swapModes_, indirect_});
     view->addMenu(tr("&Show"))->addActions(shown_->actions());
+    view->addAction(pick_);
     view->addSeparator();
     view->addAction(frame_);
     cameraMenu_ = view->addMenu(tr("&Cameras"));
@@ -186,6 +187,7 @@ void MainWindow::showShortcuts()
     add(tr("Wheel"), tr("Zoom to the cursor"));
     add(tr("Right drag, W A S D, Q E"), tr("Look around and walk; Shift runs"));
     add(tr("Double click"), tr("Set the pivot"));
+    add(tr("Alt+click"), tr("See what the octree keeps there"));
     add(tr("Arrow keys, Home, End"), tr("Move the wipe while its handle has the focus; Shift moves it finer"));
     auto* box = new QMessageBox(QMessageBox::NoIcon, tr("Keys and mouse"),
                                 QStringLiteral("<table>%1</table>").arg(rows), QMessageBox::Close, this);

@@ -50,17 +50,29 @@ void ViewWorker::measure(BakeView view, Mix mix, glm::vec3 p, glm::vec3 n)
     wake_.notify_one();
 }
 
+void ViewWorker::pick(BakeView view, glm::vec3 p, glm::vec3 n)
+{
+    std::lock_guard lock(mutex_);
+    pick_ = PickRequest{std::move(view), p, n};
+    wake_.notify_one();
+}
+
 void ViewWorker::work(const std::stop_token& quit)
 {
     const FlushDenormals flush;
     while (true) {
         std::unique_lock lock(mutex_);
-        if (!wake_.wait(lock, quit, [this] { return mix_ || measure_; }) || quit.stop_requested()) return;
+        if (!wake_.wait(lock, quit, [this] { return mix_ || measure_ || pick_; }) || quit.stop_requested()) return;
         if (mix_) {
             MixRequest request = std::move(*mix_);
             mix_.reset();
             lock.unlock();
             Q_EMIT mixed(withMix(std::move(request.view), request.mix, request.serial));
+        } else if (pick_) {
+            const PickRequest request = std::move(*pick_);
+            pick_.reset();
+            lock.unlock();
+            Q_EMIT picked(pickedLeaf(request.view, request.p, request.n));
         } else {
             const MeasureRequest request = std::move(*measure_);
             measure_.reset();

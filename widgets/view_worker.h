@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "widgets/bake_view.h"
+#include "widgets/picked_leaf.h"
 #include <QObject>
 #include <condition_variable>
 #include <mutex>
@@ -9,8 +10,8 @@
 
 namespace lightloom {
 
-/// One thread beside the bake for what the viewport asks for: the same light under another mix, and the illuminance
-/// under the cursor. Of each kind the newest request wins; mixing comes first. Shoots no photons.
+/// One thread beside the bake for what the viewport asks for: the same light under another mix, the illuminance under
+/// the cursor, a leaf that was picked. Of each kind the newest request wins; mixing comes first. Shoots no photons.
 class ViewWorker final : public QObject {
     Q_OBJECT
 public:
@@ -21,9 +22,13 @@ public:
     /// Illuminance at `p` facing `n` from the view's field, and from its lamps with shadow rays under `mix`.
     void measure(BakeView view, Mix mix, glm::vec3 p, glm::vec3 n);
 
+    /// What the view's octree keeps at `p` facing `n`.
+    void pick(BakeView view, glm::vec3 p, glm::vec3 n);
+
 Q_SIGNALS:
     void mixed(lightloom::BakeView view);
     void measured(lightloom::Measurement measurement);
+    void picked(lightloom::PickedLeaf leaf);
 
 private:
     struct MixRequest {
@@ -36,12 +41,17 @@ private:
         Mix mix;
         glm::vec3 p, n;
     };
+    struct PickRequest {
+        BakeView view;
+        glm::vec3 p, n;
+    };
     void work(const std::stop_token& quit);
 
     std::mutex mutex_;
     std::condition_variable_any wake_;
     std::optional<MixRequest> mix_;
     std::optional<MeasureRequest> measure_;
+    std::optional<PickRequest> pick_;
     std::jthread thread_; // last: it uses all of the above
 };
 

@@ -56,8 +56,8 @@ void Viewport::initializeGL()
         return;
     }
     renderer_ = std::move(*made);
-    sceneIsNew_ = octreeIsNew_ = coloursAreNew_ = mixIsNew_ = referenceIsNew_ = photonsAreNew_ = errorsAreNew_ =
-        true; // what was set before there was a context
+    sceneIsNew_ = octreeIsNew_ = coloursAreNew_ = mixIsNew_ = marksAreNew_ = referenceIsNew_ = photonsAreNew_ =
+        errorsAreNew_ = true; // what was set before there was a context
 }
 
 void Viewport::releaseGl()
@@ -81,7 +81,7 @@ void Viewport::setScene(std::shared_ptr<const DrawData> drawn, bool keepCamera)
     mix_.clear();
     sceneIsNew_ = mixIsNew_ = true;
     octreeIsNew_ = coloursAreNew_ = false; // the renderer drops the old ones with the scene
-    shadowsReady_ = false;
+    shadowsReady_ = mirrorsReady_ = false;
     if (keepCamera) {
         camera_.setBounds(data_->scene->bounds);
         camera_.shift(glm::vec3(moved));
@@ -139,6 +139,31 @@ void Viewport::setIndirectOnly(bool only)
     changed();
 }
 
+void Viewport::setPicking(bool on)
+{
+    isPicking_ = on;
+    if (on) {
+        setCursor(Qt::CrossCursor);
+    } else {
+        unsetCursor();
+    }
+}
+
+void Viewport::setMarks(std::vector<Mark> marks)
+{
+    marks_ = std::move(marks);
+    marksAreNew_ = true;
+    present();
+}
+
+std::optional<QPointF> Viewport::placeIn(glm::vec3 p) const
+{
+    const glm::vec4 clip = camera_.projection(aspect()) * camera_.view() * glm::vec4(p, 1.0f);
+    if (!(clip.w > 0.0f)) return std::nullopt;
+    const glm::vec2 at(0.5f + 0.5f * clip.x / clip.w, 0.5f - 0.5f * clip.y / clip.w);
+    return QPointF(static_cast<double>(at.x) * width(), static_cast<double>(at.y) * height());
+}
+
 void Viewport::setExposure(float ev)
 {
     frame_.exposureEv = ev;
@@ -176,7 +201,7 @@ void Viewport::frameScene()
 
 bool Viewport::isSettled() const
 {
-    const bool isDrawn = !isMoving_ && scale_ == 1.0f && shadowsReady_ && sample_ >= kSamples;
+    const bool isDrawn = !isMoving_ && scale_ == 1.0f && shadowsReady_ && mirrorsReady_ && sample_ >= kSamples;
     return isDrawn && !sceneIsNew_ && !octreeIsNew_ && !mixIsNew_ && !presentOnly_;
 }
 
@@ -235,6 +260,8 @@ void Viewport::applyPending()
         coloursAreNew_ = false;
     }
     if (mixIsNew_ || sceneIsNew_) renderer_->setMix(mix_);
+    if (marksAreNew_) renderer_->marks().setMarks(marks_);
+    marksAreNew_ = false;
     sceneIsNew_ = octreeIsNew_ = mixIsNew_ = false;
     uploadComparison();
     if (!outcome) Q_EMIT problem(QString::fromStdString(outcome.error().message));
@@ -254,9 +281,11 @@ void Viewport::paintGL()
         if (!isSettled() && !isMoving_ && !more_.isActive()) more_.start(pacer_.pauseMs());
         return;
     }
-    const bool before = shadowsReady_;
+    const bool before = shadowsReady_ && mirrorsReady_;
     // at rest as long as a picture takes: each slice of them is followed by one
-    shadowsReady_ = renderer_->drawShadows(isMoving_ ? 0.5 * kShadowMs : std::max(kShadowMs, frameMs_));
+    const double slice = isMoving_ ? 0.5 * kShadowMs : std::max(kShadowMs, frameMs_);
+    shadowsReady_ = renderer_->drawShadows(slice);
+    mirrorsReady_ = shadowsReady_ && (!showsBake() || renderer_->drawEnvironments(slice));
     if (!before) sample_ = 0; // lit differently than the pictures averaged so far
     const bool isPassing = !shadowsReady_ && pacer_.showsNewsCoarse(); // the next slice will replace it
     scale_ = isMoving_ || isPassing ? pacer_.coarseScale() : 1.0f;
@@ -286,7 +315,7 @@ void Viewport::frameDone(double frameMs, double allMs)
     ++sample_;
     Q_EMIT frameDrawn(frameMs_, !isMoving_ && scale_ == 1.0f);
     if (!data_) return;
-    if (!isMoving_ && (sample_ < kSamples || !shadowsReady_)) {
+    if (!isMoving_ && (sample_ < kSamples || !shadowsReady_ || !mirrorsReady_)) {
         more_.start(pacer_.pauseMs());
     } else if (isSettled() && !toldSettled_) {
         toldSettled_ = true;

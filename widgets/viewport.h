@@ -42,6 +42,10 @@ public:
     /// Part of the width, from the left, that reference or errors take; nothing: all of it.
     void setWipe(std::optional<float> part);
     void setIndirectOnly(bool only);
+    void setPicking(bool on);               ///< the next click of the left button picks; Alt+click always does
+    void setMarks(std::vector<Mark> marks); ///< drawn over the picture
+    /// Where a point of the scene stands in the widget; nothing behind the eye.
+    [[nodiscard]] std::optional<QPointF> placeIn(glm::vec3 p) const;
     void setExposure(float ev);
     void setTone(int tone);
     void setBackground(glm::vec3 shown);
@@ -68,7 +72,8 @@ Q_SIGNALS:
     void settled();
     void viewMoved(); ///< camera or size are others: what was computed for the view before does not fit any more
     void hovered(bool isOnSurface, glm::vec3 position, glm::vec3 normal);
-    void exposureMetered(float ev); ///< once for a scene that names no exposure
+    void picked(glm::vec3 position, glm::vec3 normal); ///< a surface, scene space
+    void exposureMetered(float ev);                    ///< once for a scene that names no exposure
     void problem(QString message);
 
 protected:
@@ -121,14 +126,16 @@ private:
     bool errorsShown_ = false, referenceIsNew_ = false, photonsAreNew_ = false, errorsAreNew_ = false,
          presentOnly_ = false;
     std::optional<float> wipe_;
+    std::vector<Mark> marks_;
+    bool isPicking_ = false, marksAreNew_ = false;
     Mix mix_;
     bool sceneIsNew_ = false, octreeIsNew_ = false, coloursAreNew_ = false, mixIsNew_ = false, needsMetering_ = false;
-    bool isMoving_ = false, shadowsReady_ = false, toldSettled_ = false;
+    bool isMoving_ = false, shadowsReady_ = false, mirrorsReady_ = false, toldSettled_ = false;
     int sample_ = 0; ///< pictures averaged so far
     float scale_ = 1.0f;
     double frameMs_ = 0;
     FramePacer pacer_;
-    QPointF last_, hoverAt_;
+    QPointF last_, pressed_, hoverAt_;
     QSet<int> keys_;
     QElapsedTimer walkClock_;
     QTimer rest_, walk_, hover_, more_;

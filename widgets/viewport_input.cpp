@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Mouse and keys of the viewport: they move the camera, nothing else.
+// Mouse and keys of the viewport: they move the camera, and pick.
 #include "widgets/viewport.h"
 #include <QKeyEvent>
 #include <QMouseEvent>
 #include <QWheelEvent>
 
 namespace lightloom {
+
+namespace {
+constexpr double kClickPixels = 4.0;
+}
 
 glm::vec2 Viewport::placeOf(QPointF position) const
 {
@@ -22,6 +26,7 @@ glm::vec2 Viewport::stepOf(QPointF delta) const
 void Viewport::mousePressEvent(QMouseEvent* event)
 {
     last_ = event->position();
+    pressed_ = last_;
     if (event->button() == Qt::RightButton) {
         setCursor(Qt::BlankCursor);
         walkClock_.start();
@@ -32,8 +37,13 @@ void Viewport::mousePressEvent(QMouseEvent* event)
 
 void Viewport::mouseReleaseEvent(QMouseEvent* event)
 {
+    const bool mayPick = isPicking_ || event->modifiers().testFlag(Qt::AltModifier);
+    const bool isClick = (event->position() - pressed_).manhattanLength() < kClickPixels; // else the camera was moved
+    if (event->button() == Qt::LeftButton && mayPick && isClick) {
+        if (const auto surface = surfaceAt(event->position())) Q_EMIT picked(surface->position, surface->normal);
+    }
     if (event->button() == Qt::RightButton) {
-        unsetCursor();
+        setPicking(isPicking_); // its cursor
         walk_.stop();
     }
     event->accept();
@@ -98,7 +108,7 @@ void Viewport::focusOutEvent(QFocusEvent* event)
 {
     keys_.clear(); // their release goes elsewhere
     walk_.stop();
-    unsetCursor();
+    setPicking(isPicking_); // its cursor
     QOpenGLWidget::focusOutEvent(event);
 }
 

@@ -39,6 +39,8 @@ void ModeVdl::draw(const ModeFrame& frame)
     program_.set("cellSize", std::ldexp(octree_->rootSize, -octree_->depth));
     program_.set("colourScale", octree_->colourScale);
     program_.set("eye", frame.eye);
+    program_.setTexture("gEmission", 6, GL_TEXTURE_2D, frame.buffers.emission.id());
+    program_.set("mirrors", frame.mirrors ? 1 : 0);
     program_.set("showIlluminance", frame.showIlluminance ? 1 : 0);
     drawFullscreen(gl_);
 }

@@ -9,6 +9,7 @@ struct ModeFrame {
     const GBuffer& buffers;
     glm::vec3 eye;        ///< scene space
     bool showIlluminance; ///< lux on the surface instead of radiance towards the eye
+    bool mirrors;         ///< environment maps are added: metals that have one show nothing else
 };
 
 /// One way to show indirect light. The lighting framebuffer is bound, blending adds, and an empty vertex array is

@@ -52,6 +52,12 @@ Result<Done> Renderer::linkPrograms()
     Result<OverlayPass> overlay = OverlayPass::make(gl_, shaders);
     if (!overlay) return overlay.error();
     overlay_.emplace(std::move(*overlay));
+    Result<MarkPass> marks = MarkPass::make(gl_, shaders);
+    if (!marks) return marks.error();
+    marks_.emplace(std::move(*marks));
+    Result<EnvironmentMaps> environments = EnvironmentMaps::make(gl_, shaders);
+    if (!environments) return environments.error();
+    environments_.emplace(std::move(*environments));
     return Done{};
 }
 
@@ -65,22 +71,52 @@ Result<Done> Renderer::setScene(std::shared_ptr<const DrawData> data)
     for (const Material& m : data->scene->materials) brightest = std::max(brightest, maxChannel(m.emission));
     emissionScale_ = brightest > kMostHalf ? brightest / kMostHalf : 1.0f;
     scene_.emplace(gl_, data);
+    environments_->setScene(*data);
     return shadows_.setScene(*data);
 }
 
-Result<Done> Renderer::setOctree(const std::shared_ptr<const GpuOctree>& octree) { return vdl_->setOctree(octree); }
+Result<Done> Renderer::setOctree(const std::shared_ptr<const GpuOctree>& octree)
+{
+    environments_->forget();
+    return vdl_->setOctree(octree);
+}
 Result<Done> Renderer::setColours(const std::shared_ptr<const GpuOctree>& octree)
 {
     return colours_->setOctree(octree);
 }
-void Renderer::setMix(const Mix& mix) { shadows_.setMix(mix); }
-
-bool Renderer::drawShadows(double budgetMs) { return !scene_ || shadows_.draw(*scene_, shadowProgram_, budgetMs); }
-
-void Renderer::drawSurfaces(const FrameView& frame, glm::vec2 shift)
+void Renderer::setMix(const Mix& mix)
 {
-    const glm::ivec2 size = buffers_->size;
-    gl_.glBindFramebuffer(GL_FRAMEBUFFER, buffers_->surfaces.id());
+    environments_->forget();
+    shadows_.setMix(mix);
+}
+
+bool Renderer::drawShadows(double budgetMs)
+{
+    if (!scene_ || shadows_.isComplete()) return true;
+    environments_->forget(); // lit with what shadows there were
+    return shadows_.draw(*scene_, shadowProgram_, budgetMs);
+}
+
+bool Renderer::drawEnvironments(double budgetMs)
+{
+    if (!scene_ || environments_->isComplete()) return true;
+    if (!shadows_.isComplete()) return false;
+    return environments_->draw(budgetMs, [this](const GBuffer& buffers, const glm::mat4& view,
+                                                const glm::mat4& projection, glm::vec3 eye, int without) {
+        FrameView frame;
+        frame.view = view;
+        frame.projection = projection;
+        frame.eye = eye;
+        drawSurfaces(buffers, frame, glm::vec2(0.0f), without);
+        drawLight(buffers, frame, false);
+    });
+}
+
+/// `without`: an instance that is left out, or -1.
+void Renderer::drawSurfaces(const GBuffer& buffers, const FrameView& frame, glm::vec2 shift, int without)
+{
+    const glm::ivec2 size = buffers.size;
+    gl_.glBindFramebuffer(GL_FRAMEBUFFER, buffers.surfaces.id());
     gl_.glViewport(0, 0, size.x, size.y);
     gl_.glDisable(GL_BLEND);
     gl_.glDisable(GL_SCISSOR_TEST);
@@ -96,25 +132,27 @@ void Renderer::drawSurfaces(const FrameView& frame, glm::vec2 shift)
     shifted[3] = glm::vec4(2.0f * shift / glm::vec2(size), 0.0f, 1.0f);
     surfaceProgram_.use();
     surfaceProgram_.set("viewProjection", shifted * frame.projection * frame.view);
-    scene_->draw(surfaceProgram_, true, emissionScale_);
+    scene_->draw(surfaceProgram_, true, emissionScale_, environments_->ofInstances(), without);
 }
 
-void Renderer::drawDirect(const FrameView& frame, int lights, float emissionScale, bool showIlluminance)
+void Renderer::drawDirect(const ModeFrame& frame, int lights, float emissionScale)
 {
     directProgram_.use();
-    buffers_->bind(directProgram_);
-    directProgram_.setTexture("gEmission", 3, GL_TEXTURE_2D, buffers_->emission.id());
+    frame.buffers.bind(directProgram_);
+    directProgram_.setTexture("gEmission", 3, GL_TEXTURE_2D, frame.buffers.emission.id());
     shadows_.bind(directProgram_, 4);
     directProgram_.set("lightCount", lights);
     directProgram_.set("emissionScale", emissionScale);
     directProgram_.set("eye", frame.eye);
-    directProgram_.set("showIlluminance", showIlluminance ? 1 : 0);
+    directProgram_.set("showIlluminance", frame.showIlluminance ? 1 : 0);
+    directProgram_.set("mirrors", frame.mirrors ? 1 : 0);
     drawFullscreen(gl_);
 }
 
-void Renderer::drawLight(const FrameView& frame)
+/// `mirrors`: with environment maps, in modes that show a bake.
+void Renderer::drawLight(const GBuffer& buffers, const FrameView& frame, bool mirrors)
 {
-    gl_.glBindFramebuffer(GL_FRAMEBUFFER, buffers_->lighting.id());
+    gl_.glBindFramebuffer(GL_FRAMEBUFFER, buffers.lighting.id());
     gl_.glDisable(GL_DEPTH_TEST);
     gl_.glDisable(GL_BLEND);
     gl_.glClear(GL_COLOR_BUFFER_BIT);
@@ -122,19 +160,21 @@ void Renderer::drawLight(const FrameView& frame)
     gl_.glBindVertexArray(empty_.id());
     if (frame.mode == ViewMode::plain) {
         plainProgram_.use();
-        buffers_->bind(plainProgram_);
+        buffers.bind(plainProgram_);
         plainProgram_.set("eye", frame.eye);
         drawFullscreen(gl_);
         return;
     }
-    const bool lamps = frame.mode == ViewMode::direct || !frame.indirectOnly;
-    drawDirect(frame, lamps ? shadows_.lightCount() : 0, lamps ? emissionScale_ : 0.0f, false);
     PreviewMode* indirect = indirectOf(frame.mode);
+    const ModeFrame light{buffers, frame.eye, false, mirrors && indirect != nullptr};
+    const bool lamps = frame.mode == ViewMode::direct || !frame.indirectOnly;
+    drawDirect(light, lamps ? shadows_.lightCount() : 0, lamps ? emissionScale_ : 0.0f);
     if (indirect == nullptr) return;
     gl_.glEnable(GL_BLEND);
     gl_.glBlendEquation(GL_FUNC_ADD);
     gl_.glBlendFuncSeparate(GL_ONE, GL_ONE, GL_ZERO, GL_ONE);
-    indirect->draw({*buffers_, frame.eye, false});
+    indirect->draw(light);
+    if (light.mirrors) environments_->add(buffers, frame.eye);
     gl_.glDisable(GL_BLEND);
 }
 
@@ -181,8 +221,8 @@ Result<Done> Renderer::draw(const FrameView& frame, int sample, glm::ivec2 size,
         buffers_ = std::move(*made);
         sample = 0;
     }
-    drawSurfaces(frame, shiftOf(sample));
-    drawLight(frame);
+    drawSurfaces(*buffers_, frame, shiftOf(sample), -1);
+    drawLight(*buffers_, frame, true);
     addToSum(sample == 0);
     present(frame, sample + 1, target, window);
     return Done{};
@@ -205,6 +245,7 @@ void Renderer::present(const FrameView& frame, int samples, GLuint target, glm::
     postProgram_.set("background", frame.background);
     drawFullscreen(gl_);
     overlay_->draw(frame, *buffers_, samples, window);
+    marks_->draw(frame, *buffers_, window);
     gl_.glBindVertexArray(0);
     gl_.glUseProgram(0);
     gl_.glActiveTexture(GL_TEXTURE0);

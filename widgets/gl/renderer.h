@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "widgets/gl/environment_maps.h"
+#include "widgets/gl/mark_pass.h"
 #include "widgets/gl/mode_vdl.h"
 #include "widgets/gl/overlay_pass.h"
 #include "widgets/gl/scene_buffers.h"
@@ -46,6 +48,7 @@ public:
     Result<Done> setColours(const std::shared_ptr<const GpuOctree>& octree); ///< a colour octree
     void setMix(const Mix& mix);
     [[nodiscard]] OverlayPass& overlay() { return *overlay_; }
+    [[nodiscard]] MarkPass& marks() { return *marks_; }
 
     /// Draws picture number `sample` (0 begins anew) of those that are averaged, at `size` pixels, and shows the mean
     /// stretched over `window` pixels of framebuffer `target`. Samples after the first are taken through pixels shifted
@@ -56,6 +59,10 @@ public:
     void finish() { gl_.glFinish(); } ///< waits for the GPU, to measure
     /// Undrawn shadow maps for about `budgetMs`. True when all are there.
     bool drawShadows(double budgetMs);
+    /// Faces of environment maps whose light is not what it was, for about `budgetMs`, once all shadow maps are there.
+    /// True when all are as they should be.
+    bool drawEnvironments(double budgetMs);
+    [[nodiscard]] int environmentCount() const { return environments_->count(); }
     [[nodiscard]] int shadowLayersDrawn() const { return shadows_.layersDrawn(); }
 
     struct SurfaceSample {
@@ -80,16 +87,18 @@ public:
 private:
     explicit Renderer(Gl& gl) : gl_(gl), shadows_(gl), empty_(gl) {}
     Result<Done> linkPrograms();
-    void drawSurfaces(const FrameView& frame, glm::vec2 shift);
-    void drawLight(const FrameView& frame);
+    void drawSurfaces(const GBuffer& buffers, const FrameView& frame, glm::vec2 shift, int without);
+    void drawLight(const GBuffer& buffers, const FrameView& frame, bool mirrors);
     [[nodiscard]] PreviewMode* indirectOf(ViewMode mode); ///< null: the mode shows no indirect light
-    void drawDirect(const FrameView& frame, int lights, float emissionScale, bool showIlluminance);
+    void drawDirect(const ModeFrame& frame, int lights, float emissionScale);
     void addToSum(bool first);
 
     Gl& gl_;
     GlProgram surfaceProgram_, shadowProgram_, directProgram_, plainProgram_, postProgram_, copyProgram_;
     std::unique_ptr<ModeVdl> vdl_, colours_;
     std::optional<OverlayPass> overlay_;
+    std::optional<MarkPass> marks_;
+    std::optional<EnvironmentMaps> environments_;
     ShadowMaps shadows_;
     GlVertexArray empty_;
     std::optional<SceneBuffers> scene_;

@@ -59,9 +59,9 @@ std::vector<glm::vec4> Renderer::illuminance(const FrameView& frame, bool indire
     gl_.glBindVertexArray(empty_.id());
     PreviewMode* mode = indirectOf(frame.mode);
     if (indirect && mode != nullptr) {
-        mode->draw({*buffers_, frame.eye, true});
+        mode->draw({*buffers_, frame.eye, true, false});
     } else if (!indirect) {
-        drawDirect(frame, shadows_.lightCount(), 0.0f, true);
+        drawDirect({*buffers_, frame.eye, true, false}, shadows_.lightCount(), 0.0f);
     }
     return readColour(gl_, buffers_->lighting.id(), GL_COLOR_ATTACHMENT0, buffers_->size);
 }

@@ -96,13 +96,16 @@ void SceneBuffers::setMaterial(const GlProgram& program, std::size_t index, bool
     }
 }
 
-void SceneBuffers::draw(const GlProgram& program, bool surfaces, float emissionScale) const
+void SceneBuffers::draw(const GlProgram& program, bool surfaces, float emissionScale,
+                        const std::vector<int>& environments, int without) const
 {
     gl_.glBindVertexArray(array_.id());
     gl_.glDisable(GL_CULL_FACE);
     const Scene& scene = *data_->scene;
     int bound = -1;
-    for (const Instance& instance : scene.instances) {
+    for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+        if (static_cast<int>(i) == without) continue;
+        const Instance& instance = scene.instances[i];
         const auto mesh = static_cast<std::size_t>(instance.mesh);
         if (const int material = scene.meshes[mesh].material; material != bound) {
             setMaterial(program, static_cast<std::size_t>(material), surfaces, emissionScale);
@@ -114,6 +117,7 @@ void SceneBuffers::draw(const GlProgram& program, bool surfaces, float emissionS
             // the inverse transpose up to scale, without dividing by a determinant that may be tiny
             const glm::mat3 m(instance.toWorld);
             const glm::mat3 cofactors(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
+            program.set("environment", environments.empty() ? 0.0f : static_cast<float>(environments[i]));
             program.set("normalToWorld", instance.isMirrored() ? -cofactors : cofactors);
         }
         const DrawData::Range& range = data_->meshes[mesh];

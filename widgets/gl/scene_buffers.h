@@ -13,8 +13,10 @@ public:
 
     /// Draws every instance with `program` (scene.vert or shadow.vert), which is in use and has its view set.
     /// `surfaces`: materials with all textures and back faces culled where the material is single-sided; otherwise
-    /// only what an alpha test needs, and both faces. Emission is divided by `emissionScale`.
-    void draw(const GlProgram& program, bool surfaces, float emissionScale) const;
+    /// only what an alpha test needs, and both faces. Emission is divided by `emissionScale`. `environments`, by
+    /// instance, as EnvironmentMaps has them, or empty; instance `without` (-1: none) is left out.
+    void draw(const GlProgram& program, bool surfaces, float emissionScale, const std::vector<int>& environments = {},
+              int without = -1) const;
 
     [[nodiscard]] const DrawData& data() const { return *data_; }
     [[nodiscard]] std::size_t bytes() const { return bytes_; }

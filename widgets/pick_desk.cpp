@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "widgets/pick_desk.h"
+#include "core/base/units.h"
+#include "widgets/pick_card.h"
+#include "widgets/view_worker.h"
+#include "widgets/viewport.h"
+#include <QAction>
+#include <QLocale>
+
+namespace lightloom {
+
+namespace {
+
+const glm::vec4 kBox(1.0f, 1.0f, 1.0f, 0.9f), kNormal(0.55f, 0.85f, 0.4f, 1.0f), kDot(0.35f, 0.75f, 1.0f, 0.9f),
+    kArrow(1.0f, 0.75f, 0.2f, 1.0f), kOther(1.0f, 0.75f, 0.2f, 0.45f);
+
+QString luxText(float lux)
+{
+    return QLocale().toString(static_cast<double>(lux), 'f', lux < 10.0f ? 2 : lux < 100.0f ? 1 : 0);
+}
+
+void addBox(const LeafPick& leaf, std::vector<Mark>& marks)
+{
+    const auto corner = [&](int i) {
+        return glm::vec3(i & 1 ? leaf.high.x : leaf.low.x, i & 2 ? leaf.high.y : leaf.low.y,
+                         i & 4 ? leaf.high.z : leaf.low.z);
+    };
+    for (int i = 0; i < 8; ++i) {
+        for (const int axis : {1, 2, 4}) {
+            if ((i & axis) == 0) marks.push_back({corner(i), corner(i | axis), kBox, 1.6f});
+        }
+    }
+}
+
+void addArrow(glm::vec3 tail, glm::vec3 head, glm::vec4 colour, float width, std::vector<Mark>& marks)
+{
+    marks.push_back({tail, head, colour, width});
+    const glm::vec3 along = head - tail;
+    const glm::vec3 aside = glm::abs(along.y) < 0.9f * glm::length(along) ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0);
+    const glm::vec3 u = glm::normalize(glm::cross(along, aside)), v = glm::normalize(glm::cross(along, u));
+    const float size = 0.13f * glm::length(along);
+    for (const glm::vec3 side : {u, -u, v, -v}) {
+        marks.push_back({head, head - glm::normalize(along) * (1.6f * size) + side * (0.7f * size), colour, width});
+    }
+}
+
+constexpr float kShareOfView = 0.12f; ///< of the way to the eye, so that arrows are seen apart
+
+/// Length of the longest arrow: as far as the photons reach that the lights were made from, or what is well seen.
+float reachOf(const PickedLeaf& picked, glm::vec3 eye)
+{
+    const LeafPick& leaf = *picked.leaf;
+    float reach = glm::max(2.0f * (leaf.high.x - leaf.low.x), kShareOfView * glm::length(eye - leaf.point));
+    if (leaf.answers < 0) return reach;
+    const glm::vec3 centre = leaf.entries[static_cast<std::size_t>(leaf.answers)].surface.centroid;
+    for (const glm::vec3 p : picked.photons) reach = glm::max(reach, 1.3f * glm::length(p - centre));
+    return reach;
+}
+
+/// Where a light's arrow ends: it points to where the light comes from, the longer the more lux it gives.
+glm::vec3 tipOf(const PickedEntry& entry, const Vdl& vdl, float most, float reach)
+{
+    const float share = most > 0.0f ? std::sqrt(luminance(vdl.colour) / most) : 0.0f;
+    return entry.surface.centroid + vdl.toLight * (reach * (0.35f + 0.65f * share));
+}
+
+float mostOf(const LeafPick& leaf)
+{
+    float most = 0.0f;
+    for (const PickedEntry& entry : leaf.entries) {
+        for (const Vdl& vdl : entry.lights) most = glm::max(most, luminance(vdl.colour));
+    }
+    return most;
+}
+
+/// What a light gives the entry's own surface.
+float luxOf(const PickedEntry& entry, const Vdl& vdl)
+{
+    return luminance(vdl.colour) * glm::max(0.0f, glm::dot(entry.surface.normal, vdl.toLight));
+}
+
+std::vector<Mark> marksOf(const PickedLeaf& picked, float reach)
+{
+    std::vector<Mark> marks;
+    if (!picked.leaf) return marks;
+    const LeafPick& leaf = *picked.leaf;
+    for (const glm::vec3 p : picked.photons) marks.push_back({p, p, kDot, 3.0f});
+    addBox(leaf, marks);
+    const float most = mostOf(leaf);
+    for (std::size_t e = 0; e < leaf.entries.size(); ++e) {
+        const PickedEntry& entry = leaf.entries[e];
+        const bool isAnswer = static_cast<int>(e) == leaf.answers;
+        addArrow(entry.surface.centroid, entry.surface.centroid + entry.surface.normal * (0.4f * reach), kNormal, 1.6f,
+                 marks);
+        for (const Vdl& vdl : entry.lights) {
+            addArrow(entry.surface.centroid, tipOf(entry, vdl, most, reach), isAnswer ? kArrow : kOther, 2.4f, marks);
+        }
+    }
+    return marks;
+}
+
+QStringList textOf(const PickedLeaf& picked)
+{
+    if (!picked.leaf) return {QObject::tr("No cell of the octree here")};
+    const LeafPick& leaf = *picked.leaf;
+    QStringList lines{QObject::tr("Depth %1, cell %2 %3 %4, %5 m wide")
+                          .arg(leaf.depth)
+                          .arg(leaf.cell.x)
+                          .arg(leaf.cell.y)
+                          .arg(leaf.cell.z)
+                          .arg(static_cast<double>(leaf.high.x - leaf.low.x), 0, 'g', 3)};
+    lines += leaf.isLit
+                 ? QObject::tr("%1 lx indirect at the point, between neighbours").arg(luxText(luminance(leaf.lux)))
+                 : QObject::tr("No entry answers here");
+    for (std::size_t e = 0; e < leaf.entries.size(); ++e) {
+        const PickedEntry& entry = leaf.entries[e];
+        QStringList lights;
+        for (const Vdl& vdl : entry.lights) lights += luxText(luxOf(entry, vdl));
+        const glm::vec3 n = entry.surface.normal;
+        lines += QObject::tr("%1 Entry %2, facing %3 %4 %5: %6 lx")
+                     .arg(static_cast<int>(e) == leaf.answers ? QStringLiteral("\u25b8") : QStringLiteral("  "))
+                     .arg(e + 1)
+                     .arg(static_cast<double>(n.x), 0, 'f', 2)
+                     .arg(static_cast<double>(n.y), 0, 'f', 2)
+                     .arg(static_cast<double>(n.z), 0, 'f', 2)
+                     .arg(luxText(luminance(entry.lux)));
+        const QString sum = lights.join(QStringLiteral(" + "));
+        lines += lights.isEmpty()     ? QObject::tr("     no lights")
+                 : lights.size() == 1 ? QObject::tr("     1 light: %1 lx").arg(sum)
+                                      : QObject::tr("     %1 lights: %2 lx").arg(lights.size()).arg(sum);
+    }
+    if (!picked.photons.empty()) {
+        lines += QObject::tr("%L1 photons gathered for it").arg(static_cast<qulonglong>(picked.photons.size()));
+    }
+    return lines;
+}
+
+} // namespace
+
+PickDesk::PickDesk(Viewport* viewport, ViewWorker* worker, QAction* tool, QObject* parent)
+    : QObject(parent), viewport_(viewport), worker_(worker), tool_(tool), card_(new PickCard(viewport))
+{
+    connect(viewport_, &Viewport::picked, this, &PickDesk::pick);
+    connect(viewport_, &Viewport::frameDrawn, this, &PickDesk::placeLabels);
+    connect(worker_, &ViewWorker::picked, this, &PickDesk::take, Qt::QueuedConnection);
+    connect(tool_, &QAction::toggled, this, [this](bool on) {
+        viewport_->setPicking(on);
+        if (!on) clear();
+    });
+}
+
+void PickDesk::forget()
+{
+    view_ = {};
+    clear();
+}
+
+void PickDesk::clear()
+{
+    place_.reset();
+    picked_.reset();
+    viewport_->setMarks({});
+    card_->setLines({});
+    Q_EMIT shown();
+}
+
+void PickDesk::setView(const BakeView& view)
+{
+    view_ = view;
+    if (place_) worker_->pick(view_, place_->position, place_->normal);
+}
+
+void PickDesk::pick(glm::vec3 p, glm::vec3 n)
+{
+    if (!view_.snapshot.field) return;
+    place_ = Place{p, n};
+    tool_->setChecked(true); // so that it can be put away
+    worker_->pick(view_, p, n);
+}
+
+void PickDesk::take(const PickedLeaf& leaf)
+{
+    if (!place_ || leaf.field != view_.snapshot.field) return; // of what was shown before
+    picked_ = leaf;
+    if (leaf.leaf) reach_ = reachOf(leaf, viewport_->camera().eye());
+    viewport_->setMarks(marksOf(leaf, reach_));
+    card_->setLines(textOf(leaf));
+    placeLabels();
+    Q_EMIT shown();
+}
+
+void PickDesk::placeLabels()
+{
+    if (!picked_ || !picked_->leaf) return card_->setLabels({});
+    const LeafPick& leaf = *picked_->leaf;
+    std::vector<PickCard::Label> labels;
+    for (std::size_t e = 0; e < leaf.entries.size(); ++e) {
+        if (static_cast<int>(e) != leaf.answers) continue;
+        for (const Vdl& vdl : leaf.entries[e].lights) {
+            const auto at = viewport_->placeIn(tipOf(leaf.entries[e], vdl, mostOf(leaf), reach_));
+            if (at) labels.push_back({*at + QPointF(6, 0), tr("%1 lx").arg(luxText(luxOf(leaf.entries[e], vdl)))});
+        }
+    }
+    card_->setLabels(std::move(labels));
+}
+
+} // namespace lightloom
