@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // How far the caches are off the reference, and what they cost: the accuracy tables of docs/measurements.md.
-//   bench_accuracy [--probes N] [--paths N] [--set NAME=VALUE ...] [SCENE ...]
+//   bench_accuracy [--probes N] [--paths N] [--set NAME=VALUE ...] [SCENE[:TRIANGLES] ...]
 // Probes are area-uniform over reached surface, seed 1; errors are of indirect luminance; noise is the reference's own;
 // stated noise is what the bake says of itself, rank how its map goes with the true errors (Spearman).
 #include "core/base/statistics.h"
@@ -59,7 +59,10 @@ struct Judge {
 
 void measure(const std::string& name, const Settings& settings)
 {
-    const Result<Scene> made = sampleScene(name);
+    const std::size_t colon = name.find(':');
+    const Result<Scene> made = colon == std::string::npos
+                                   ? sampleScene(name)
+                                   : sampleScene(name.substr(0, colon), std::atoi(name.c_str() + colon + 1));
     if (!made) {
         fmt::print("{}\n", made.error().message);
         return;

@@ -150,7 +150,11 @@ private Q_SLOTS:
     void reflectionPastAScreen() // A5
     {
         const auto scene = share(obstructionScene());
-        const auto field = bake(method(), scene, accurate(7)); // the screen makes the scene 20 m wide
+        // the screen makes the scene 20 m wide; with fewer photons kernels smooth the bend of the light at z = 1/2
+        // (+16 % beside it), and only what is lost in the crease made up for it in the mean
+        BakeParams params = accurate(7);
+        params.photonCount = 3'000'000;
+        const auto field = bake(method(), scene, params);
         PointClaims claims("past a screen");
         for (const double x : {-0.5, 0.0, 0.5}) {
             for (const double z : {0.25, 0.5, 0.75, 1.0, 2.0}) {

@@ -240,7 +240,7 @@ private Q_SLOTS:
     void withoutTheFilterLightTurnsCorners()
     {
         BakeParams all = direct(cachedParams());
-        all.gatherFilter = NormalFilter::off;
+        all.gatherFilter = Switch::off;
         const auto unfiltered = fieldOf(bake(cornell_, all, products_));
         const auto atEdge = [&](const PhotonMapField& field) { // on the floor, just before the red wall, lit by others
             RunningMean mean;

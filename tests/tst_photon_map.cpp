@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Claims: the kd-tree finds exactly the photons that brute force finds, whatever the kernel; the area under a kernel is
-// exact; K beyond the count, no photons and all photons on one point are survived.
+// Claims: the kd-tree finds exactly the photons that brute force finds, whatever the kernel; K beyond the count, no
+// photons and all photons on one point are survived.
 #include "core/base/sampling.h"
 #include "core/photonmap/photon_map.h"
-#include "core/photonmap/surface_area.h"
 #include <QtTest>
 #include <algorithm>
-#include <cmath>
 
 using namespace lightloom;
 
@@ -90,50 +88,6 @@ private Q_SLOTS:
         QCOMPARE(gathered.radius, 0.0f);
         std::ranges::sort(gathered.photons); // ties go by number
         QCOMPARE(gathered.photons.back(), 99u);
-    }
-
-    void areaInBallIsExact_data()
-    {
-        QTest::addColumn<double>("cx");
-        QTest::addColumn<double>("cy");
-        QTest::addColumn<double>("cz");
-        QTest::addColumn<double>("radius");
-        QTest::newRow("whole triangle inside") << 0.3 << 0.3 << 0.1 << 3.0;
-        QTest::newRow("disc inside") << 0.3 << 0.3 << 0.05 << 0.2;
-        QTest::newRow("one edge") << 0.3 << 0.1 << 0.0 << 0.2;
-        QTest::newRow("a corner") << 0.0 << 0.0 << 0.1 << 0.5;
-        QTest::newRow("centre outside") << -0.2 << 0.5 << 0.1 << 0.6;
-        QTest::newRow("all three edges") << 0.3 << 0.3 << 0.0 << 0.45;
-        QTest::newRow("out of reach") << 0.3 << 0.3 << 1.0 << 0.9;
-    }
-    void areaInBallIsExact()
-    {
-        QFETCH(double, cx);
-        QFETCH(double, cy);
-        QFETCH(double, cz);
-        QFETCH(double, radius);
-        const glm::dvec3 a(0, 0, 0), b(1, 0, 0), c(0, 1, 0), centre(cx, cy, cz);
-        const double area = triangleAreaInBall(a, b, c, centre, radius);
-        QVERIFY(std::abs(area - triangleAreaInBall(a, c, b, centre, radius)) <= 1e-12); // either winding
-        // midpoint rule on 2000 x 2000 cells: error of the border cells below 1e-3
-        constexpr int n = 2000;
-        double sum = 0.0;
-        for (int i = 0; i < n; ++i) {
-            for (int j = 0; j < n; ++j) {
-                const glm::dvec3 p((i + 0.5) / n, (j + 0.5) / n, 0.0);
-                if (p.x + p.y < 1.0 && glm::length(p - centre) <= radius) sum += 1.0 / (double(n) * n);
-            }
-        }
-        QVERIFY2(std::abs(area - sum) <= 1e-3, qPrintable(QString("%1, by cells %2").arg(area).arg(sum)));
-    }
-
-    void areaInBallKnowsTheDisc()
-    {
-        const double area = triangleAreaInBall({-10, -10, 0}, {10, -10, 0}, {0, 15, 0}, {0, 0, 0.3}, 0.5);
-        QVERIFY(std::abs(area - M_PI * (0.25 - 0.09)) <= 1e-12);
-        const double half = triangleAreaInBall({-10, 0, 0}, {10, 0, 0}, {0, 15, 0}, {0, 0, 0}, 0.5);
-        QVERIFY(std::abs(half - M_PI * 0.125) <= 1e-12);
-        QCOMPARE(triangleAreaInBall({0, 0, 0}, {1, 1, 1}, {2, 2, 2}, {0, 0, 0}, 5.0), 0.0); // no area
     }
 };
 

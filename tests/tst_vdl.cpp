@@ -156,6 +156,25 @@ private:
         }
         return cost;
     }
+
+    void scaledToALuxTheyGiveIt()
+    {
+        const glm::vec3 n = glm::normalize(glm::vec3(0.3f, 0.8f, -0.5f)), lux(12.0f, 0.0f, 3.0f);
+        std::vector<Vdl> vdls(4);
+        ClusterScratch scratch;
+        fitVdls(cosineLights(400, 3, n), n, VdlForm::corrected, vdls, scratch);
+        const glm::vec3 was = vdls[1].toLight;
+        scaleTo(lux, n, vdls);
+        QVERIFY(glm::length(shade(vdls, n) - lux) <= 1e-4f);
+        QCOMPARE(vdls[1].toLight, was);
+        // all light from behind the plane: one lamp of the strongest's direction stands in, and none without light
+        std::vector<Vdl> behind{{{0.0f, 0.0f, 0.0f}, n}, {{0.0f, 0.0f, 0.0f}, -n}};
+        scaleTo(lux, n, behind);
+        QVERIFY(glm::length(shade(behind, n) - lux) <= 1e-4f);
+        scaleTo(glm::vec3(0.0f), n, behind);
+        QCOMPARE(shade(behind, n), glm::vec3(0.0f));
+        scaleTo(lux, n, {}); // no lamp, no crash
+    }
 };
 
 QTEST_APPLESS_MAIN(VdlTest)

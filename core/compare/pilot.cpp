@@ -221,8 +221,9 @@ private:
         });
         const double fitted = threadWorkSeconds();
         const bool isMeasured = forEntries(part, [&](std::size_t e) {
-            radii[e] = static_cast<float>(area.under(part.entries[e].centroid, part.entries[e].normal, radii[e],
-                                                     kernel.stretch, kernel.leastCosine));
+            const KernelPlace place{part.entries[e].centroid, part.entries[e].normal, kernel.stretch,
+                                    kernel.leastCosine};
+            radii[e] = static_cast<float>(area.under(place, radii[e]));
         });
         const double areaSeconds = threadWorkSeconds() - fitted;
         sample.areaSeconds += areaSeconds;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/octree/layer_fit.h"
 #include "core/base/units.h"
-#include <cmath>
 
 namespace lightloom {
 
@@ -28,13 +27,9 @@ bool LayerFit::fit(std::uint32_t e, FitScratch& s) const
     const OctreeEntry& entry = geometry_.entries[e];
     const Density density = estimateDensity(map_, area_, kernel_, entry.centroid, entry.normal, s.gathered);
     s.lights.clear();
-    glm::dvec3 scalar(0.0);
-    double squares = 0.0;
     for (const std::uint32_t number : s.gathered.photons) {
         const Photon& photon = map_.photon(number);
         const glm::vec3 lux = photon.flux * static_cast<float>(density.perFlux);
-        scalar += glm::dvec3(lux);
-        squares += static_cast<double>(luminance(lux)) * static_cast<double>(luminance(lux));
         // a photon's density already holds the cosine at its own surface (METHODS section 3): divide it out, except
         // in the form as printed
         const float cosine = glm::max(glm::dot(photon.normal, photon.toLight), kLeastCosine);
@@ -42,9 +37,11 @@ bool LayerFit::fit(std::uint32_t e, FitScratch& s) const
         s.lights.push_back({photon.toLight, colour, luminance(photon.flux)});
     }
     const auto count = static_cast<std::size_t>(layer_.count);
-    fitVdls(s.lights, entry.normal, form_, std::span(layer_.vdls).subspan(e * count, count), s.clusters);
-    layer_.scalar[e] = glm::vec3(scalar);
-    layer_.noise[e] = static_cast<float>(std::sqrt(squares)); // photons arrive independently, like rain
+    const std::span<Vdl> vdls = std::span(layer_.vdls).subspan(e * count, count);
+    fitVdls(s.lights, entry.normal, form_, vdls, s.clusters);
+    if (form_ == VdlForm::corrected) scaleTo(glm::vec3(density.lux), entry.normal, vdls);
+    layer_.scalar[e] = glm::vec3(density.lux);
+    layer_.noise[e] = static_cast<float>(density.noise);
     return density.isDegenerate;
 }
 

@@ -10,6 +10,7 @@ namespace lightloom {
 namespace {
 
 constexpr int kMostClusters = 8, kRounds = 16;
+constexpr float kMostScale = 1e3f;      ///< beyond it the sum that is scaled is rounding
 constexpr float kSameDirection = 1e-6f; ///< 1 - cosine below which two directions are one
 
 /// Largest cosine to the centres so far, and the centre that has it. Plain loops: they vectorise, and give the same
@@ -170,6 +171,22 @@ void fitVdls(std::span<const LightVector> lights, glm::vec3 n, VdlForm form, std
         const VectorSum& sum = sums[static_cast<std::size_t>(j)];
         if (!sum.strongest || sum.colour == glm::dvec3(0.0)) continue;
         out[used++] = form == VdlForm::corrected ? corrected(sum, n) : asPrinted(sum);
+    }
+}
+
+void scaleTo(glm::vec3 lux, glm::vec3 n, std::span<Vdl> vdls)
+{
+    glm::vec3 sum(0.0f);
+    for (const Vdl& vdl : vdls) sum += vdl.colour * glm::max(0.0f, glm::dot(vdl.toLight, n));
+    for (int c = 0; c < 3; ++c) {
+        const float share = sum[c] > 0.0f ? lux[c] / sum[c] : 0.0f;
+        if (share > 0.0f && share < kMostScale) {
+            for (Vdl& vdl : vdls) vdl.colour[c] *= share;
+            continue;
+        }
+        // all light of the channel came from behind the entry's own plane: its directions say nothing
+        for (Vdl& vdl : vdls) vdl.colour[c] = 0.0f;
+        if (!vdls.empty()) vdls[0].colour[c] = lux[c] / glm::max(glm::dot(vdls[0].toLight, n), kLeastCosine);
     }
 }
 

@@ -12,6 +12,13 @@ enum class Method { lightOctree, photonMap, direct, reference };
 
 /// Kernel of the octree's photon gather.
 enum class GatherKernel { sphere, ellipsoid };
+/// What photons' flux is divided by: the surface really under the kernel, or the disc of the kernel's radius, as the
+/// 2007 paper prints it.
+enum class GatherArea { surface, disc };
+/// What is fitted to the photons under a kernel: a constant (their mean density), or a plane (its value at the point).
+enum class GatherFit { plane, mean };
+/// A thing that can be left out.
+enum class Switch { off, on };
 /// How photons become virtual directional lights: as printed in the 2007 paper, or corrected (docs/methods).
 enum class VdlForm { corrected, paper };
 /// What a light octree shows of its entries: virtual lights, or their sum without directions (the paper's comparison).
@@ -20,8 +27,6 @@ enum class OctreeShow { lights, colour };
 enum class OctreeValues { exact, packed };
 /// How a photon map answers: density estimation on the spot, or Christensen's cache.
 enum class PhotonLookup { direct, christensen };
-/// Whether a gather leaves out photons on surfaces that face elsewhere.
-enum class NormalFilter { on, off };
 
 /// Everything a bake depends on besides the scene and its lamps. Same scene, parameters and build: same bytes.
 /// Meaning, unit, range and cost of each member stand in `kParams`.
@@ -29,9 +34,13 @@ struct BakeParams {
     std::uint64_t seed = 1;
     int photonCount = 400'000;
     int pathDepth = 1024;
-    int gatherCount = 200;
+    int gatherCount = 300;
     float gatherRadius = 0.0f;
     GatherKernel gatherKernel = GatherKernel::sphere;
+    GatherArea gatherArea = GatherArea::surface;
+    GatherFit gatherFit = GatherFit::plane;
+    Switch gatherAdapt = Switch::on;
+    Switch gatherFilter = Switch::on;
     int octreeDepth = 6;
     int octreeFirstDepth = 4;
     float gridShift = 0.0f;
@@ -40,7 +49,6 @@ struct BakeParams {
     OctreeShow octreeShow = OctreeShow::lights;
     OctreeValues octreeValues = OctreeValues::exact;
     PhotonLookup photonLookup = PhotonLookup::direct;
-    NormalFilter gatherFilter = NormalFilter::on;
     int directSamples = 64;
     int probeRays = 256;
     int referenceSamples = 1024;
@@ -64,9 +72,10 @@ enum MethodBit : unsigned {
 
 /// One parameter: the only description of it. Command line, panels, files and the manual loop over `kParams`.
 struct ParamSpec {
-    using Field = std::variant<int BakeParams::*, float BakeParams::*, std::uint64_t BakeParams::*,
-                               GatherKernel BakeParams::*, VdlForm BakeParams::*, OctreeShow BakeParams::*,
-                               OctreeValues BakeParams::*, PhotonLookup BakeParams::*, NormalFilter BakeParams::*>;
+    using Field =
+        std::variant<int BakeParams::*, float BakeParams::*, std::uint64_t BakeParams::*, GatherKernel BakeParams::*,
+                     GatherArea BakeParams::*, GatherFit BakeParams::*, Switch BakeParams::*, VdlForm BakeParams::*,
+                     OctreeShow BakeParams::*, OctreeValues BakeParams::*, PhotonLookup BakeParams::*>;
     std::string_view key;   ///< for ever: files hold it
     std::string_view label; ///< in the window
     std::string_view unit;  ///< "" for a pure number
@@ -81,11 +90,13 @@ struct ParamSpec {
 };
 
 inline constexpr std::array<std::string_view, 2> kKernelNames{"sphere", "ellipsoid"};
+inline constexpr std::array<std::string_view, 2> kAreaNames{"surface", "disc"};
+inline constexpr std::array<std::string_view, 2> kFitNames{"plane", "mean"};
+inline constexpr std::array<std::string_view, 2> kSwitchNames{"off", "on"};
 inline constexpr std::array<std::string_view, 2> kVdlFormNames{"corrected", "paper"};
 inline constexpr std::array<std::string_view, 2> kOctreeShowNames{"lights", "colour"};
 inline constexpr std::array<std::string_view, 2> kOctreeValuesNames{"exact", "packed"};
 inline constexpr std::array<std::string_view, 2> kPhotonLookupNames{"direct", "christensen"};
-inline constexpr std::array<std::string_view, 2> kNormalFilterNames{"on", "off"};
 
 // clang-format off
 inline constexpr std::array kParams{
@@ -107,8 +118,14 @@ inline constexpr std::array kParams{
               "Cap on the gather kernel. 0: automatic, three times the radius that K photons fill where they lie evenly."},
     ParamSpec{"gather.kernel", "Gather kernel", "", 0, 1, 1, kForOctree, Stage::fit, &BakeParams::gatherKernel, kKernelNames,
               "Region photons are taken from: a sphere, or the paper's ellipsoid flattened along the leaf's normal."},
-    ParamSpec{"gather.filter", "Normal filter", "", 0, 1, 1, kForPhotonMap, Stage::fit, &BakeParams::gatherFilter, kNormalFilterNames,
-              "on: photons and surface within 60 degrees of the receiver's normal count. off: all; light bleeds round edges."},
+    ParamSpec{"gather.area", "Area divided by", "", 0, 1, 1, kForPhotons, Stage::fit, &BakeParams::gatherArea, kAreaNames,
+              "surface: what really lies under the kernel. disc: pi r^2 as printed in 2007, half too dark at edges; for comparison."},
+    ParamSpec{"gather.fit", "Fit to the photons", "", 0, 1, 1, kForPhotons, Stage::fit, &BakeParams::gatherFit, kFitNames,
+              "plane: follows light that rises across the kernel, also at edges. mean: one value, as printed."},
+    ParamSpec{"gather.adapt", "Adapt K", "", 0, 1, 1, kForPhotons, Stage::fit, &BakeParams::gatherAdapt, kSwitchNames,
+              "on: fewer photons than K where light changes within the kernel by more than its noise. off: K everywhere."},
+    ParamSpec{"gather.filter", "Filter by normal", "", 0, 1, 1, kForPhotons, Stage::fit, &BakeParams::gatherFilter, kSwitchNames,
+              "on: only photons on surfaces within 60 degrees of the point's. off: all, which bleeds round corners."},
     ParamSpec{"photons.lookup", "Photon lookup", "", 0, 1, 1, kForPhotonMap, Stage::fit, &BakeParams::photonLookup, kPhotonLookupNames,
               "direct: density estimation at every point. christensen: kept at every 4th photon, the nearest answers; fast, in patches."},
     ParamSpec{"vdl.count", "Lights per leaf (k)", "", 1, 8, 1, kForOctree, Stage::fit, &BakeParams::vdlCount, {},

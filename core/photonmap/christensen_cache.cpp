@@ -20,16 +20,8 @@ void estimate(const PhotonMap& map, const SurfaceArea& area, const DensityKernel
 {
     const Photon& photon = map.photon(static_cast<std::uint32_t>(point * ChristensenCache::kEvery));
     const Density density = estimateDensity(map, area, kernel, photon.position, photon.normal, gathered);
-    glm::dvec3 flux(0.0);
-    double squares = 0.0;
-    for (const std::uint32_t i : gathered.photons) {
-        const glm::vec3 one = map.photon(i).flux;
-        const auto luma = static_cast<double>(luminance(one));
-        flux += glm::dvec3(one);
-        squares += luma * luma;
-    }
-    values.lux[point] = glm::vec3(flux * density.perFlux);
-    values.noise[point] = static_cast<float>(std::sqrt(squares) * density.perFlux);
+    values.lux[point] = glm::vec3(density.lux);
+    values.noise[point] = static_cast<float>(density.noise);
 }
 
 } // namespace

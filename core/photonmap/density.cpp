@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/photonmap/density.h"
+#include "core/base/sampling.h"
+#include "core/base/units.h"
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace lightloom {
@@ -12,7 +17,11 @@ DensityKernel DensityKernel::of(const BakeParams& params, const PhotonMap& map, 
     // one photon gives no density: (K-1)/K would be zero
     kernel.count = static_cast<std::uint32_t>(std::max(params.gatherCount, 2));
     kernel.stretch = params.gatherKernel == GatherKernel::ellipsoid ? 3.0f : 1.0f;
+    if (params.gatherFilter == Switch::off) kernel.leastCosine = -2.0f;
     kernel.areaFloor = 1e-8f * cellSize * cellSize;
+    kernel.area = params.gatherArea;
+    kernel.fit = params.gatherFit;
+    kernel.adapts = params.gatherAdapt == Switch::on;
     if (params.gatherRadius > 0.0f) {
         kernel.cap = params.gatherRadius * cellSize;
     } else {
@@ -23,20 +32,179 @@ DensityKernel DensityKernel::of(const BakeParams& params, const PhotonMap& map, 
     return kernel;
 }
 
+namespace {
+
+constexpr double kFewest = 25.0;    ///< photons of the smallest kernel tried
+constexpr double kDoubt = 3.5;      ///< standard errors that two kernels' estimates may differ by
+constexpr double kLeastShare = 0.1; ///< of a variance that a difference always has
+constexpr double kReserve = 3.0;    ///< times its expected square that a plane's difference has to stand up to
+constexpr double kThinnest = 1e-3;  ///< least determinant, relative to the radius, of a plane fit
+constexpr std::size_t kMostKernels = SurfaceArea::kMostRadii;
+
+/// Nested kernels around one point: the first `counts[j]` photons lie within `radii[j]`.
+struct Kernels {
+    std::array<std::uint32_t, kMostKernels> counts{};
+    std::array<float, kMostKernels> radii{};
+    std::size_t size = 0;
+    void add(std::size_t count, float radius)
+    {
+        counts[size] = static_cast<std::uint32_t>(count), radii[size] = radius;
+        ++size;
+    }
+};
+
+float distanceOf(std::uint64_t key) { return std::sqrt(std::bit_cast<float>(static_cast<std::uint32_t>(key >> 32))); }
+
+/// Orders the gathered photons so that each kernel holds the first of them.
+Kernels nestedKernels(const DensityKernel& kernel, Gathered& gathered)
+{
+    Kernels kernels;
+    const std::size_t all = gathered.keys.size();
+    if (kernel.adapts) {
+        const double fewest = std::max(kFewest, static_cast<double>(all) / 1024.0);
+        for (double k = fewest; k < 0.9 * static_cast<double>(all) && kernels.size + 1 < kMostKernels; k *= 2.0)
+            kernels.add(static_cast<std::size_t>(k), 0.0f);
+        auto end = gathered.keys.end();
+        for (std::size_t j = kernels.size; j-- > 0;) { // from the largest down: each selection leaves half to the next
+            const auto last = gathered.keys.begin() + static_cast<std::ptrdiff_t>(kernels.counts[j]) - 1;
+            std::nth_element(gathered.keys.begin(), last, end);
+            kernels.radii[j] = distanceOf(*last);
+            end = last + 1;
+        }
+        for (std::size_t i = 0; i < all; ++i) gathered.photons[i] = static_cast<std::uint32_t>(gathered.keys[i]);
+    }
+    kernels.add(all, gathered.radius);
+    return kernels;
+}
+
+/// Sums over the photons of a kernel, positions in the tangential plane.
+class PhotonSums {
+public:
+    explicit PhotonSums(glm::vec3 p, glm::vec3 n) : p_(p), frame_(n) {}
+
+    void add(const Photon& photon)
+    {
+        const glm::vec3 d = photon.position - p_;
+        const double x = static_cast<double>(glm::dot(d, frame_.tangent)),
+                     y = static_cast<double>(glm::dot(d, frame_.bitangent));
+        const glm::dvec3 flux(photon.flux);
+        const double f = static_cast<double>(luminance(photon.flux)), ff = f * f;
+        flux_ += flux, fluxX_ += x * flux, fluxY_ += y * flux;
+        squares_ += AreaMoments{ff, {ff * x, ff * y}, ff * x * x, ff * x * y, ff * y * y};
+    }
+
+    /// Illuminance by weights w.x + w.y x + w.z y per photon.
+    [[nodiscard]] glm::dvec3 lux(glm::dvec3 w) const { return w.x * flux_ + w.y * fluxX_ + w.z * fluxY_; }
+    [[nodiscard]] double value(glm::dvec3 w) const { return static_cast<double>(luminance(glm::vec3(lux(w)))); }
+    [[nodiscard]] double noise(glm::dvec3 w) const
+    {
+        const AreaMoments& s = squares_;
+        const double variance = w.x * w.x * s.area + 2.0 * w.x * (w.y * s.first.x + w.z * s.first.y) +
+                                w.y * w.y * s.xx + 2.0 * w.y * w.z * s.xy + w.z * w.z * s.yy;
+        return std::sqrt(std::max(0.0, variance));
+    }
+
+private:
+    glm::vec3 p_;
+    Frame frame_;
+    glm::dvec3 flux_{0.0}, fluxX_{0.0}, fluxY_{0.0};
+    AreaMoments squares_; ///< of the luminous flux: moments of the photons themselves
+};
+
+/// Whether the estimate of an ever larger kernel still agrees with those of the smaller ones. Kernels are nested: if
+/// the light is what the larger one says, the variance of a difference is the difference of the variances, and
+/// variances go by the sums of squared weights. (Noise that each kernel states of itself will not do: where chance gave
+/// it too few photons it also states too little noise, and 5 % of all light is lost.)
+class Agreement {
+public:
+    /// `spread`: the integral over the kernel of the squared weight, 1/m2.
+    [[nodiscard]] bool holds(double value, double noise, double spread)
+    {
+        for (std::size_t i = 0; i < size_; ++i) {
+            const double apart = value - values_[i];
+            const double variance = noise * noise * std::max(spreads_[i] / spread - 1.0, kLeastShare);
+            if (apart * apart > kDoubt * kDoubt * variance) return false;
+        }
+        values_[size_] = value, spreads_[size_] = spread;
+        ++size_;
+        return true;
+    }
+
+private:
+    std::array<double, kMostKernels> values_{}, spreads_{};
+    std::size_t size_ = 0;
+};
+
+/// Weights of a linear estimate: w.x + w.y x + w.z y per photon, and the integral of their square over the kernel.
+struct Weights {
+    glm::dvec3 w;
+    double spread = 0.0; ///< 1/m2
+};
+
+Weights meanWeights(const AreaMoments& m) { return {{1.0 / m.area, 0.0, 0.0}, 1.0 / m.area}; }
+
+/// Of the value at the origin of the plane with the same moments; of the mean where the surface is too thin for one.
+Weights planeWeights(const AreaMoments& m, double radius)
+{
+    const glm::dvec3 a(m.area, m.first.x, m.first.y);
+    const glm::dvec3 cofactors(m.xx * m.yy - m.xy * m.xy, a.z * m.xy - a.y * m.yy, a.y * m.xy - a.z * m.xx);
+    const double determinant = glm::dot(a, cofactors), r2 = radius * radius;
+    if (!(determinant > kThinnest * m.area * m.area * m.area * r2 * r2)) return meanWeights(m);
+    const glm::dvec3 w = cofactors / determinant;
+    return {w, w.x};
+}
+
+/// The plane as far as the photons call for it, else the mean: in a corner a plane has 16 times the variance of a mean.
+Weights fitted(const PhotonSums& sums, const AreaMoments& m, double radius, GatherFit fit)
+{
+    const Weights mean = meanWeights(m);
+    if (fit == GatherFit::mean) return mean;
+    const Weights plane = planeWeights(m, radius);
+    const double apart = sums.value(plane.w) - sums.value(mean.w), noise = sums.noise(mean.w);
+    const double expected = noise * noise * (plane.spread / mean.spread - 1.0); // of apart^2 where light is even
+    const double share = apart * apart > 0.0 ? apart * apart / (apart * apart + kReserve * expected) : 0.0;
+    return {glm::mix(mean.w, plane.w, share), glm::mix(mean.spread, plane.spread, share * share)};
+}
+
+} // namespace
+
 Density estimateDensity(const PhotonMap& map, const SurfaceArea& area, const DensityKernel& kernel, glm::vec3 p,
                         glm::vec3 n, Gathered& gathered)
 {
     const GatherQuery query{p, n, kernel.cap, kernel.stretch, kernel.leastCosine, kernel.count};
     map.gather(query, gathered);
+    const Kernels kernels = nestedKernels(kernel, gathered);
+    std::array<AreaMoments, kMostKernels> moments;
+    const KernelPlace place{p, n, kernel.stretch, kernel.leastCosine};
+    area.under(place, std::span(kernels.radii).first(kernels.size), std::span(moments).first(kernels.size));
+
     Density density;
-    const double under = area.under(p, n, gathered.radius, kernel.stretch, kernel.leastCosine);
-    const double floor = static_cast<double>(kernel.areaFloor);
-    if (!(under > 0.0) && gathered.photons.empty()) return density;
+    if (!(moments[kernels.size - 1].area > 0.0) && gathered.photons.empty()) return density;
     density.isAnswer = true;
-    density.isDegenerate = !(under >= floor) && !gathered.photons.empty();
-    const double k = kernel.count;
-    const double unbiased = gathered.isFull ? (k - 1.0) / k : 1.0;
-    density.perFlux = unbiased / std::max(under, floor > 0.0 ? floor : 1e-300);
+    const double floor = std::max(static_cast<double>(kernel.areaFloor), 1e-300);
+    PhotonSums sums(p, n);
+    std::uint32_t taken = 0;
+    Agreement agreement;
+    for (std::size_t j = 0; j < kernels.size; ++j) {
+        const std::uint32_t count = kernels.counts[j];
+        for (std::uint32_t i = taken; i < count; ++i) sums.add(map.photon(gathered.photons[i]));
+        AreaMoments m = moments[j];
+        const auto radius = static_cast<double>(kernels.radii[j]);
+        if (kernel.area == GatherArea::disc) m = momentsOfDisc(radius);
+        const bool isDegenerate = !(m.area >= floor);
+        if (isDegenerate) m = AreaMoments{floor, {}, 0.0, 0.0, 0.0};
+        const bool isFull = j + 1 < kernels.size || gathered.isFull; // then the last photon gave the radius
+        const double unbiased = isFull ? (count - 1.0) / count : 1.0;
+        const Weights fit = fitted(sums, m, radius, kernel.fit);
+        const glm::dvec3 lux = glm::max(unbiased * sums.lux(fit.w), glm::dvec3(0.0));
+        const double noise = unbiased * sums.noise(fit.w);
+        if (kernel.adapts && !agreement.holds(static_cast<double>(luminance(glm::vec3(lux))), noise, fit.spread)) break;
+        taken = count;
+        density.lux = lux, density.noise = noise, density.perFlux = unbiased / m.area;
+        density.isDegenerate = isDegenerate && count > 0;
+        gathered.radius = kernels.radii[j], gathered.isFull = isFull;
+    }
+    gathered.photons.resize(taken);
     return density;
 }
 

@@ -173,11 +173,11 @@ void PhotonMap::descend(Search& search, std::uint32_t firstBlock, std::uint32_t 
 void PhotonMap::gather(const GatherQuery& query, Gathered& out) const
 {
     out.photons.clear();
-    out.scratch.clear();
+    out.keys.clear();
     out.radius = query.radius;
     out.isFull = false;
     if (blocks_.empty() || query.count == 0) return;
-    Search search{query, query.stretch * query.stretch - 1.0f, query.radius * query.radius, out.scratch};
+    Search search{query, query.stretch * query.stretch - 1.0f, query.radius * query.radius, out.keys};
     descend(search, 0, static_cast<std::uint32_t>(blocks_.size()), 0, glm::vec3(0.0f), 0.0f);
     if (search.keys.size() >= query.count) {
         search.thin();

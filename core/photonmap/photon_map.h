@@ -22,7 +22,8 @@ struct Gathered {
     std::vector<std::uint32_t> photons; ///< numbers for PhotonMap::photon
     float radius = 0.0f;                ///< of the kernel: distance of the K-th photon, or the cap if fewer were there
     bool isFull = false;                ///< K photons were found
-    std::vector<std::uint64_t> scratch; ///< working memory, kept between gathers of one thread
+    std::vector<std::uint64_t> keys; ///< the same as (bits of the squared distance as float) << 32 | number; order as
+                                     ///< in `photons`; kept between gathers of one thread
 };
 
 /// kd-tree over one light group's photons: blocks of 16 in structure-of-arrays form under an implicit tree of median

@@ -7,17 +7,13 @@
 
 namespace lightloom {
 
-namespace {
-constexpr float kTakesAll = -2.0f; ///< below every cosine
-}
-
 PhotonMapField::PhotonMapField(std::shared_ptr<const SurfaceArea> area, std::vector<Layer> layers, Mix mix)
     : area_(std::move(area)), layers_(std::move(layers)), mix_(std::move(mix))
 {
 }
 
-template<class Cached, class Direct>
-bool PhotonMapField::ask(glm::vec3 p, glm::vec3 n, const Cached& cached, const Direct& direct) const
+template<class Use>
+bool PhotonMapField::ask(glm::vec3 p, glm::vec3 n, const Use& use) const
 {
     thread_local Gathered gathered;
     bool known = false;
@@ -27,12 +23,12 @@ bool PhotonMapField::ask(glm::vec3 p, glm::vec3 n, const Cached& cached, const D
         if (!layer.map || gain == glm::vec3(0.0f)) continue;
         if (const auto found = layer.cache ? layer.cache->lookup(p, n) : std::nullopt) {
             known = true;
-            cached(gain, *found);
+            use(gain, found->lux, found->noise);
             continue;
         }
         const Density density = estimateDensity(*layer.map, *area_, layer.kernel, p, n, gathered);
         known = known || density.isAnswer;
-        direct(gain, density, *layer.map, gathered);
+        use(gain, glm::vec3(density.lux), static_cast<float>(density.noise));
     }
     return known;
 }
@@ -40,34 +36,19 @@ bool PhotonMapField::ask(glm::vec3 p, glm::vec3 n, const Cached& cached, const D
 bool PhotonMapField::lookup(glm::vec3 p, glm::vec3 n, glm::vec3& lux) const
 {
     glm::dvec3 sum(0.0);
-    const bool known = ask(
-        p, n, [&](glm::vec3 gain, const ChristensenCache::Found& found) { sum += glm::dvec3(gain * found.lux); },
-        [&](glm::vec3 gain, const Density& density, const PhotonMap& map, const Gathered& gathered) {
-            glm::dvec3 flux(0.0);
-            for (const std::uint32_t i : gathered.photons) flux += glm::dvec3(map.photon(i).flux);
-            sum += glm::dvec3(gain) * flux * density.perFlux;
-        });
+    const bool known = ask(p, n, [&](glm::vec3 gain, glm::vec3 one, float) { sum += glm::dvec3(gain * one); });
     lux = glm::vec3(sum);
     return known;
 }
 
 std::optional<float> PhotonMapField::noise(glm::vec3 p, glm::vec3 n) const
 {
-    double variance = 0.0; // of a sum of independent photons: the sum of their squares
-    const bool known = ask(
-        p, n,
-        [&](glm::vec3 gain, const ChristensenCache::Found& found) {
-            const float baked = luminance(found.lux); // the lamp's tint moves light and noise alike
-            if (!(baked > 0.0f)) return;
-            const auto lux = static_cast<double>(found.noise * luminance(gain * found.lux) / baked);
-            variance += lux * lux;
-        },
-        [&](glm::vec3 gain, const Density& density, const PhotonMap& map, const Gathered& gathered) {
-            for (const std::uint32_t i : gathered.photons) {
-                const auto lux = static_cast<double>(luminance(gain * map.photon(i).flux)) * density.perFlux;
-                variance += lux * lux;
-            }
-        });
+    double variance = 0.0;
+    const bool known = ask(p, n, [&](glm::vec3 gain, glm::vec3 lux, float noise) {
+        const float baked = luminance(lux); // the lamp's tint moves light and noise alike
+        const auto one = static_cast<double>(baked > 0.0f ? noise * luminance(gain * lux) / baked : 0.0f);
+        variance += one * one;
+    });
     if (!known) return {};
     return static_cast<float>(std::sqrt(variance));
 }
@@ -95,9 +76,7 @@ std::shared_ptr<const PhotonMapField> photonMapField(const BakeParams& params, c
     const float cell = bounds.longestSide() / 64.0f;
     std::vector<PhotonMapField::Layer> layers;
     for (const auto& map : maps) {
-        DensityKernel kernel = map ? DensityKernel::of(params, *map, *area, cell) : DensityKernel{};
-        if (params.gatherFilter == NormalFilter::off) kernel.leastCosine = kTakesAll;
-        layers.push_back({map, kernel, nullptr});
+        layers.push_back({map, map ? DensityKernel::of(params, *map, *area, cell) : DensityKernel{}, nullptr});
     }
     return std::make_shared<PhotonMapField>(std::move(area), std::move(layers), std::move(mix));
 }

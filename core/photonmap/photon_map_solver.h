@@ -25,10 +25,9 @@ public:
     [[nodiscard]] const Mix& mix() const { return mix_; }
 
 private:
-    /// Calls cached(gain, found) or gathered(gain, density, photons' map, gathered) for each group that is on; false if
-    /// none knows an answer.
-    template<class Cached, class Direct>
-    bool ask(glm::vec3 p, glm::vec3 n, const Cached& cached, const Direct& direct) const;
+    /// Calls use(gain, lux, noise) for each group that is on; false if none knows an answer.
+    template<class Use>
+    bool ask(glm::vec3 p, glm::vec3 n, const Use& use) const;
 
     std::shared_ptr<const SurfaceArea> area_;
     std::vector<Layer> layers_;

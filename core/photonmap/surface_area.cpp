@@ -1,62 +1,95 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/photonmap/surface_area.h"
 #include "core/base/ordering.h"
+#include "core/base/sampling.h"
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
 namespace lightloom {
 namespace {
 
-/// Signed area of the disc of squared radius `r2` around the origin cut with the triangle (origin, a, b).
-double sectorOrTriangle(glm::dvec2 a, glm::dvec2 b, double r2)
-{
-    const auto cross = [](glm::dvec2 u, glm::dvec2 v) { return u.x * v.y - u.y * v.x; };
-    const auto sector = [&](glm::dvec2 u, glm::dvec2 v) { return 0.5 * r2 * std::atan2(cross(u, v), glm::dot(u, v)); };
-    const auto triangle = [&](glm::dvec2 u, glm::dvec2 v) { return 0.5 * cross(u, v); };
-    const glm::dvec2 d = b - a;
-    const double dd = glm::dot(d, d);
-    if (!(dd > 0.0)) return 0.0;
-    // where the line a + t d meets the circle
-    const double half = glm::dot(a, d) / dd, gap = half * half - (glm::dot(a, a) - r2) / dd;
-    if (!(gap > 0.0)) return sector(a, b);
-    const double root = std::sqrt(gap);
-    const double enter = std::max(0.0, -half - root), leave = std::min(1.0, -half + root);
-    if (enter >= leave) return sector(a, b);
-    const glm::dvec2 p = a + enter * d, q = a + leave * d;
-    double area = triangle(p, q);
-    if (enter > 0.0) area += sector(a, p);
-    if (leave < 1.0) area += sector(q, b);
-    return area;
-}
+/// Adds what facets have under a kernel. A facet that lies whole within a radius lies so within all larger ones: it is
+/// added once, to the first of them, and the sums run up at the end. Only the few across a border are cut.
+class KernelSum {
+public:
+    KernelSum(const KernelPlace& place, std::span<const float> radii, std::span<AreaMoments> out)
+        : radii_(radii), out_(out), centre_(place.centre), normal_(place.normal), stretch_(place.stretch)
+    {
+        const Frame frame(place.normal);
+        tangent_ = frame.tangent, bitangent_ = frame.bitangent;
+        std::ranges::fill(out_, AreaMoments{});
+    }
 
-/// Moves along the normal are stretched: turns an ellipsoid around `centre` into a ball.
-glm::dvec3 stretched(glm::vec3 p, glm::vec3 centre, glm::vec3 normal, double stretch)
-{
-    const glm::dvec3 d = glm::dvec3(p) - glm::dvec3(centre), n(normal);
-    return d + n * ((stretch - 1.0) * glm::dot(n, d));
-}
+    void add(const ReachedFacet& f)
+    {
+        const glm::dvec3 a = glm::dvec3(f.a) - centre_, b = glm::dvec3(f.b) - centre_, c = glm::dvec3(f.c) - centre_;
+        const double real = glm::length(glm::cross(b - a, c - a));
+        if (!(real > 0.0)) return;
+        // stretching along the normal turns the ellipsoid into a ball; tangential coordinates stay
+        const Corners at{stretched(a), stretched(b), stretched(c)};
+        const double far = std::max({glm::dot(at.a, at.a), glm::dot(at.b, at.b), glm::dot(at.c, at.c)});
+        std::size_t whole = radii_.size();
+        while (whole > 0 && squared(whole - 1) >= far) --whole;
+        if (whole < radii_.size()) whole_[whole] += momentsOfTriangle(flat(a), flat(b), flat(c), 0.5 * real);
+        cut(at, real, whole);
+    }
+
+    void finish()
+    {
+        AreaMoments sum;
+        for (std::size_t j = 0; j < radii_.size(); ++j) {
+            sum += whole_[j];
+            out_[j] += sum;
+        }
+    }
+
+private:
+    struct Corners {
+        glm::dvec3 a, b, c;
+    };
+    [[nodiscard]] double squared(std::size_t j) const
+    {
+        return static_cast<double>(radii_[j]) * static_cast<double>(radii_[j]);
+    }
+    [[nodiscard]] glm::dvec3 stretched(glm::dvec3 d) const
+    {
+        return d + normal_ * ((stretch_ - 1.0) * glm::dot(normal_, d));
+    }
+    [[nodiscard]] glm::dvec2 flat(glm::dvec3 d) const { return {glm::dot(d, tangent_), glm::dot(d, bitangent_)}; }
+
+    /// The part within radii below number `whole`.
+    void cut(const Corners& at, double real, std::size_t whole)
+    {
+        if (whole == 0) return;
+        const glm::dvec3 across = glm::cross(at.b - at.a, at.c - at.a);
+        const double grown = glm::length(across);
+        if (!(grown > 0.0)) return;
+        const glm::dvec3 n = across / grown, x = glm::normalize(at.b - at.a), y = glm::cross(n, x);
+        const double height = glm::dot(at.a, n);
+        const auto inPlane = [&](glm::dvec3 p) { return glm::dvec2(glm::dot(p, x), glm::dot(p, y)); };
+        const std::array corners{inPlane(at.a), inPlane(at.b), inPlane(at.c)};
+        const glm::dvec2 tx = flat(x), ty = flat(y), shift = flat(height * n);
+        const double inside = depthInside(corners);
+        for (std::size_t j = whole; j-- > 0;) {
+            const double disc = squared(j) - height * height;
+            if (!(disc > 0.0)) return;
+            const double r = std::sqrt(disc);
+            const AreaMoments part = r <= inside ? momentsOfDisc(r) : momentsInDisc(corners, r);
+            if (!(part.area > 0.0)) return; // smaller discs have nothing either
+            out_[j] += part.moved({tx, ty}, shift).scaled(real / grown);
+        }
+    }
+
+    std::span<const float> radii_;
+    std::span<AreaMoments> out_;
+    std::array<AreaMoments, SurfaceArea::kMostRadii> whole_{};
+    glm::dvec3 centre_, normal_, tangent_{0.0}, bitangent_{0.0};
+    double stretch_;
+};
 
 } // namespace
-
-double triangleAreaInBall(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, glm::dvec3 centre, double radius)
-{
-    a -= centre, b -= centre, c -= centre;
-    const glm::dvec3 across = glm::cross(b - a, c - a);
-    const double twice = glm::length(across);
-    if (!(twice > 0.0)) return 0.0;
-    const double r2 = radius * radius;
-    if (glm::dot(a, a) <= r2 && glm::dot(b, b) <= r2 && glm::dot(c, c) <= r2) return 0.5 * twice;
-    const glm::dvec3 n = across / twice;
-    const double height = glm::dot(a, n), disc2 = r2 - height * height;
-    if (!(disc2 > 0.0)) return 0.0;
-    const glm::dvec3 u = glm::normalize(b - a), v = glm::cross(n, u);
-    const auto flat = [&](glm::dvec3 p) { return glm::dvec2(glm::dot(p, u), glm::dot(p, v)); };
-    const glm::dvec2 fa = flat(a), fb = flat(b), fc = flat(c);
-    const double area =
-        sectorOrTriangle(fa, fb, disc2) + sectorOrTriangle(fb, fc, disc2) + sectorOrTriangle(fc, fa, disc2);
-    return std::clamp(area, 0.0, 0.5 * twice);
-}
 
 SurfaceArea::SurfaceArea(const LightReach& reach) : facets_(reach.facets()), total_(reach.area()) {}
 
@@ -100,11 +133,12 @@ std::uint32_t SurfaceArea::split(std::uint32_t first, std::uint32_t last, const 
     return node;
 }
 
-double SurfaceArea::under(glm::vec3 centre, glm::vec3 normal, float radius, float stretch, float leastCosine) const
+void SurfaceArea::under(const KernelPlace& place, std::span<const float> radii, std::span<AreaMoments> out) const
 {
-    if (boxes_.empty()) return 0.0;
-    double sum = 0.0;
-    const float r2 = radius * radius;
+    assert(radii.size() <= kMostRadii && out.size() == radii.size());
+    KernelSum sum(place, radii, out);
+    if (boxes_.empty() || radii.empty()) return;
+    const float r2 = radii.back() * radii.back();
     std::uint32_t stack[64];
     int depth = 0;
     stack[depth++] = 0;
@@ -112,7 +146,7 @@ double SurfaceArea::under(glm::vec3 centre, glm::vec3 normal, float radius, floa
         const std::uint32_t node = stack[--depth];
         const Box& box = boxes_[node];
         // the ellipsoid lies within the ball
-        const glm::vec3 gap = glm::max(glm::max(box.low - centre, centre - box.high), glm::vec3(0.0f));
+        const glm::vec3 gap = glm::max(glm::max(box.low - place.centre, place.centre - box.high), glm::vec3(0.0f));
         if (glm::dot(gap, gap) > r2) continue;
         if (box.count == 0) {
             stack[depth++] = box.first;
@@ -120,21 +154,17 @@ double SurfaceArea::under(glm::vec3 centre, glm::vec3 normal, float radius, floa
             continue;
         }
         for (std::uint32_t i = box.first; i < box.first + box.count; ++i) {
-            const ReachedFacet& f = facets_[i];
-            if (!(glm::dot(f.normal, normal) > leastCosine)) continue;
-            if (stretch == 1.0f) {
-                sum += triangleAreaInBall(f.a, f.b, f.c, centre, radius);
-                continue;
-            }
-            const glm::dvec3 a = stretched(f.a, centre, normal, stretch), b = stretched(f.b, centre, normal, stretch),
-                             c = stretched(f.c, centre, normal, stretch);
-            const double grown = glm::length(glm::cross(b - a, c - a));
-            const double real =
-                glm::length(glm::cross(glm::dvec3(f.b) - glm::dvec3(f.a), glm::dvec3(f.c) - glm::dvec3(f.a)));
-            if (grown > 0.0) sum += triangleAreaInBall(a, b, c, glm::dvec3(0.0), radius) * (real / grown);
+            if (glm::dot(facets_[i].normal, place.normal) > place.leastCosine) sum.add(facets_[i]);
         }
     }
-    return sum;
+    sum.finish();
+}
+
+double SurfaceArea::under(const KernelPlace& place, float radius) const
+{
+    AreaMoments moments;
+    under(place, std::span(&radius, 1), std::span(&moments, 1));
+    return moments.area;
 }
 
 } // namespace lightloom

@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include "core/photonmap/disc_moments.h"
 #include "core/trace/light_reach.h"
+#include <array>
 
 namespace lightloom {
 
-/// Area of the part of triangle (a, b, c) inside the ball around `centre`: exact (the ball cuts the plane in a disc).
-[[nodiscard]] double triangleAreaInBall(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, glm::dvec3 centre, double radius);
+/// Which surface counts: what a photon gather takes (GatherQuery), for one centre and any radius.
+struct KernelPlace {
+    glm::vec3 centre{0.0f}, normal{0.0f, 1.0f, 0.0f};
+    float stretch = 1.0f;     ///< of distances along the normal
+    float leastCosine = 0.5f; ///< between the surface's normal and `normal`
+};
 
 /// The scene's reached surface as a bounding-volume tree, to ask how much of it lies under a gather kernel. Density
 /// estimation divides by this: pi r^2 is wrong by half at every edge (METHODS section 2). Any thread may ask.
@@ -14,10 +20,15 @@ public:
     /// O(n log n). Null: stopped.
     static std::shared_ptr<const SurfaceArea> build(const LightReach& reach, const std::stop_token& stop = {});
 
-    /// Area (m2) of the reached sides within `radius` of `centre` (distances along `normal` stretched by `stretch`, as
-    /// in GatherQuery) whose normal's cosine with `normal` is above `leastCosine`. O(log n + triangles in the kernel).
-    [[nodiscard]] double under(glm::vec3 centre, glm::vec3 normal, float radius, float stretch,
-                               float leastCosine) const;
+    static constexpr std::size_t kMostRadii = 24; ///< that one query may ask for
+
+    /// Of the reached surface within each of `radii` (rising, metres) of the kernel's centre: exact, each facet's plane
+    /// is cut by the ball in a disc. Coordinates are metres from the centre along `Frame(normal)`'s tangent and
+    /// bitangent. `out` is as long as `radii`. O(log n + triangles in the kernel), hardly more for many radii than for
+    /// one.
+    void under(const KernelPlace& place, std::span<const float> radii, std::span<AreaMoments> out) const;
+    /// Area alone, m2.
+    [[nodiscard]] double under(const KernelPlace& place, float radius) const;
 
     [[nodiscard]] double total() const { return total_; } ///< of all reached sides, m2
 
