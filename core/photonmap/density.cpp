@@ -34,8 +34,8 @@ DensityKernel DensityKernel::of(const BakeParams& params, const PhotonMap& map, 
 
 namespace {
 
-constexpr double kFewest = 25.0;    ///< photons of the smallest kernel tried
-constexpr double kDoubt = 3.5;      ///< standard errors that two kernels' estimates may differ by
+constexpr double kFewest = 32.0;    ///< photons of the smallest kernel tried
+constexpr double kDoubt = 4.0;      ///< standard errors that two kernels' estimates may differ by
 constexpr double kLeastShare = 0.1; ///< of a variance that a difference always has
 constexpr double kReserve = 3.0;    ///< times its expected square that a plane's difference has to stand up to
 constexpr double kThinnest = 1e-3;  ///< least determinant, relative to the radius, of a plane fit
