@@ -5,6 +5,7 @@
 #include "widgets/bake_panel.h"
 #include "widgets/compare_desk.h"
 #include "widgets/edit_command.h"
+#include "widgets/export_dialog.h"
 #include "widgets/message_bar.h"
 #include "widgets/param_panel.h"
 #include "widgets/photon_desk.h"
@@ -19,6 +20,8 @@
 #include <QAction>
 #include <QCloseEvent>
 #include <QComboBox>
+#include <QCoreApplication>
+#include <QDir>
 #include <QDoubleSpinBox>
 #include <QDragEnterEvent>
 #include <QFileDialog>
@@ -74,6 +77,7 @@ MainWindow::MainWindow(QSettings* settings)
     buildDocks();
     buildStatus();
     buildMenus();
+    exportDialog_ = new ExportDialog(this, [this] { return exportOrder(); });
     connectWorkers();
     connectCompare();
     editDelay_.setSingleShot(true);
@@ -87,6 +91,7 @@ MainWindow::MainWindow(QSettings* settings)
 MainWindow::~MainWindow()
 {
     // workers first: what they still send finds no window then
+    delete exportDialog_;
     delete compareDesk_;
     delete photonDesk_;
     delete bridge_;
@@ -167,6 +172,7 @@ void MainWindow::setScene(std::shared_ptr<const DrawData> opened, const QString&
     setWindowTitle(tr("%1 - Lightloom").arg(sceneTitle(file)));
     snapshots_->clear();
     bakePanel_->clear();
+    export_->setEnabled(false);
     rowSerial_.reset();
     sceneDock_->setScene(data_->scene);
     mix_ = sceneDock_->mix();
@@ -332,8 +338,10 @@ void MainWindow::takeView(const BakeView& view)
     if (rowSerial_ != view.snapshot.serial) {
         snapshots_->clear();
         rowSerial_ = view.snapshot.serial;
+        if (view.snapshot.serial == jobSerial_) rowParams_ = bakedParams_;
     }
     snapshots_->add(view);
+    export_->setEnabled(true);
     bakePanel_->add(view);
     showView(*snapshots_->shown());
     Q_EMIT lightShown(view.snapshot.isFinal);
@@ -428,6 +436,26 @@ void MainWindow::chooseFile()
     dialog->setFileMode(QFileDialog::ExistingFile);
     connect(dialog, &QFileDialog::fileSelected, this, &MainWindow::openScene);
     dialog->open();
+}
+
+void MainWindow::showExport()
+{
+    const QFileInfo scene(file_);
+    exportDialog_->setName(scene.dir().filePath(scene.completeBaseName() + "-light"));
+    exportDialog_->show();
+    exportDialog_->raise();
+    exportDialog_->activateWindow();
+}
+
+std::optional<ExportOrder> MainWindow::exportOrder() const
+{
+    const BakeView* view = snapshots_->shown();
+    if (view == nullptr || !view->rays || view->mixSerial != mixSerial_) return {};
+    ExportOrder order{*view, mix_, {}, {}};
+    order.info.params = rowParams_;
+    order.info.params.octreeDepth = view->snapshot.level; // a coarse one may be shown
+    order.info.program = QCoreApplication::applicationVersion().toStdString();
+    return order;
 }
 
 void MainWindow::dragEnterEvent(QDragEnterEvent* event)

@@ -27,6 +27,7 @@ class BakeBridge;
 class BakePanel;
 class CompareDesk;
 class ComparePanel;
+class ExportDialog;
 class LegendStrip;
 class MessageBar;
 class ParamPanel;
@@ -40,6 +41,7 @@ class SweepPanel;
 class ViewWorker;
 class Viewport;
 struct LampSetting;
+struct ExportOrder;
 struct Progress;
 struct WorkCounters;
 enum class ErrorKind;
@@ -68,6 +70,7 @@ public:
     [[nodiscard]] ComparePanel& comparePanel() const { return *comparePanel_; }
     [[nodiscard]] SweepPanel& sweepPanel() const { return *sweepPanel_; }
     [[nodiscard]] LegendStrip& legend() const { return *legend_; }
+    [[nodiscard]] ExportDialog& exportDialog() const { return *exportDialog_; }
     [[nodiscard]] MessageBar& messages() const { return *messages_; }
     [[nodiscard]] std::shared_ptr<const Scene> scene() const { return data_ ? data_->scene : nullptr; }
     [[nodiscard]] bool isBaking() const { return isBaking_; }
@@ -104,6 +107,8 @@ private:
     void bakeFinished(quint64 serial, const QString& error, bool isCancelled, const WorkCounters& counters);
     void showMeasurement(const Measurement& measurement);
     void chooseFile();
+    void showExport();
+    [[nodiscard]] std::optional<ExportOrder> exportOrder() const; ///< of the light that is shown
     void showFrame();
     // main_window_layout.cpp: what it looks like
     void buildCentre();
@@ -147,7 +152,7 @@ private:
     std::uint64_t sceneSerial_ = 0;          ///< the scene's first job
     std::optional<std::uint64_t> rowSerial_; ///< job whose snapshots stand in the row
     bool isBaking_ = false;
-    BakeParams bakedParams_;
+    BakeParams bakedParams_, rowParams_; ///< of the newest job; of the snapshots in the row
     QTimer editDelay_, frameTold_;
     QElapsedTimer toldClock_; ///< since progress was shown
 
@@ -170,6 +175,7 @@ private:
     ComparePanel* comparePanel_ = nullptr;
     LegendStrip* legend_ = nullptr;
     SweepPanel* sweepPanel_ = nullptr;
+    ExportDialog* exportDialog_ = nullptr;
     QDoubleSpinBox* exposure_ = nullptr;
     QComboBox* tone_ = nullptr;
     QLabel *statusStage_ = nullptr, *statusLux_ = nullptr, *statusFrame_ = nullptr, *statusSize_ = nullptr,
@@ -179,7 +185,7 @@ private:
             *brighter_ = nullptr, *darker_ = nullptr, *lightTheme_ = nullptr, *start_ = nullptr, *pause_ = nullptr,
             *cancel_ = nullptr, *resetParams_ = nullptr, *shortcuts_ = nullptr, *about_ = nullptr, *undo_ = nullptr,
             *redo_ = nullptr, *swapModes_ = nullptr, *lastMode_ = nullptr, *reference_ = nullptr, *wipe_ = nullptr,
-            *pick_ = nullptr;
+            *pick_ = nullptr, *export_ = nullptr;
     QActionGroup *modes_ = nullptr, *shown_ = nullptr;
     QList<QAction*> bakeModes_; ///< those of `modes_` that show a bake
 };

@@ -49,6 +49,8 @@ void MainWindow::makeActions()
     open_ = makeAction(tr("&Open..."), QKeySequence::Open, tr("Open a glTF scene"));
     reload_ = makeAction(tr("Read a&gain"), QKeySequence(Qt::CTRL | Qt::Key_R),
                          tr("Read the scene's file again and keep the camera"));
+    export_ = makeAction(tr("&Export..."), QKeySequence(Qt::CTRL | Qt::Key_E),
+                         tr("Write the light for other programs: lightmap, glTF scene, volume"));
     undo_ = undoStack_->createUndoAction(this, tr("&Undo"));
     undo_->setShortcut(QKeySequence::Undo);
     undo_->setStatusTip(tr("Take back the last edit of a lamp or a parameter"));
@@ -88,7 +90,7 @@ void MainWindow::makeActions()
     shortcuts_ =
         makeAction(tr("&Keys and mouse"), QKeySequence::HelpContents, tr("List every key and what the mouse does"));
     about_ = makeAction(tr("&About Lightloom"), {}, tr("Version and licence"));
-    for (QAction* action : {reload_, start_, pause_, cancel_}) action->setEnabled(false);
+    for (QAction* action : {reload_, export_, start_, pause_, cancel_}) action->setEnabled(false);
     makeCompareActions();
     connectActions();
 }
@@ -97,6 +99,7 @@ void MainWindow::connectActions()
 {
     connect(open_, &QAction::triggered, this, &MainWindow::chooseFile);
     connect(reload_, &QAction::triggered, this, [this] { openScene(file_); });
+    connect(export_, &QAction::triggered, this, &MainWindow::showExport);
     connect(swapModes_, &QAction::triggered, this, [this] { lastMode_->trigger(); });
     connect(quit_, &QAction::triggered, this, &QWidget::close);
     connect(indirect_, &QAction::toggled, this, [this](bool on) {
@@ -140,6 +143,8 @@ void MainWindow::buildMenus()
         samples->addAction(sceneTitle(sample), this, [this, sample] { openScene(sample); });
     }
     samples->setEnabled(!samples->isEmpty());
+    file->addSeparator();
+    file->addAction(export_);
     file->addSeparator();
     file->addAction(quit_);
     QMenu* edit = menuBar()->addMenu(tr("&Edit"));

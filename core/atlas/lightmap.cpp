@@ -72,7 +72,7 @@ std::optional<FloatImage> bakeLightmap(const RayScene& rays, const Atlas& atlas,
             if (field && !field->lookup(t.position, t.normal, lux)) continue;
             if (direct.lights) {
                 Rng rng(direct.seed, kStream, t.texel);
-                lux += directIlluminance(rays, *direct.lights, {}, t.position, t.normal, direct.samples, rng);
+                lux += directIlluminance(rays, *direct.lights, direct.mix, t.position, t.normal, direct.samples, rng);
             }
             image.pixels[t.texel] = lux;
             known[t.texel] = 1;

@@ -12,12 +12,13 @@ struct DirectInLightmap {
     const LightSampler* lights = nullptr; ///< null: indirect light alone
     int samples = 16;                     ///< shadow rays per texel and glowing surface
     std::uint64_t seed = 1;
+    Mix mix{}; ///< of the lamps
 };
 
-/// Illuminance (lux per channel) of every texel of the atlas under the field's own mix (direct light: lamps as they
-/// are). Texels that show no surface, and those where the field knows nothing (half under a block, say), continue their
-/// chart from its nearest texels. Texels of no chart are black. The same bits on any number of threads; nothing if
-/// stopped. `progress` from 0 to 1, on any worker.
+/// Illuminance (lux per channel) of every texel of the atlas under the field's own mix. Texels that show no surface,
+/// and those where the field knows nothing (half under a block, say), continue their chart from its nearest texels.
+/// Texels of no chart are black. The same bits on any number of threads; nothing if stopped. `progress` from 0 to 1, on
+/// any worker.
 [[nodiscard]] std::optional<FloatImage> bakeLightmap(const RayScene& rays, const Atlas& atlas,
                                                      const IndirectField* field, const DirectInLightmap& direct,
                                                      Workers& workers, const std::stop_token& stop,

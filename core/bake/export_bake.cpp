@@ -37,6 +37,12 @@ ImageNotes notesOf(const ExportSource& source, const ExportRequest& request, con
         const bool counts = (spec.methods & (1u << static_cast<unsigned>(info.method))) != 0;
         if (counts) notes.emplace_back(fmt::format("lightloom.{}", spec.key), paramText(info.params, spec));
     }
+    const std::vector<LightGroup>& groups = source.rays.scene().groups;
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        const glm::vec3 gain = gainOf(source.mix, static_cast<int>(g));
+        if (gain == glm::vec3(1.0f)) continue;
+        notes.emplace_back("lightloom.gain." + groups[g].id, fmt::format("{} {} {}", gain.x, gain.y, gain.z));
+    }
     return notes;
 }
 
@@ -65,7 +71,8 @@ Result<Done> makeLightmap(const ExportSource& source, const ExportRequest& reque
 
     const auto began = std::chrono::steady_clock::now();
     DirectInLightmap direct;
-    if (request.withDirect) direct = {&source.lights, source.info.params.directSamples, source.info.params.seed};
+    if (request.withDirect)
+        direct = {&source.lights, source.info.params.directSamples, source.info.params.seed, source.mix};
     made.lux = bakeLightmap(source.rays, **atlas, &source.field, direct, workers, stop,
                             [&](double f) { tell(kAtlasShare + (kLightShare - kAtlasShare) * f); });
     if (!made.lux) return stopped();
@@ -76,10 +83,25 @@ Result<Done> makeLightmap(const ExportSource& source, const ExportRequest& reque
     return Done{};
 }
 
+/// Lamps and glowing surfaces as the mix has them.
+void dim(Scene& scene, const Mix& mix)
+{
+    for (PunctualLight& light : scene.lights) light.intensity *= gainOf(mix, light.group);
+    for (const Instance& instance : scene.instances) {
+        const glm::vec3 gain = instance.group >= 0 ? gainOf(mix, instance.group) : glm::vec3(1.0f);
+        if (gain == glm::vec3(1.0f)) continue;
+        Mesh& mesh = scene.meshes[static_cast<std::size_t>(instance.mesh)]; // this instance's alone
+        scene.materials.push_back(scene.materials[static_cast<std::size_t>(mesh.material)]);
+        scene.materials.back().emission *= gain;
+        mesh.material = static_cast<int>(scene.materials.size()) - 1;
+    }
+}
+
 Result<Done> makeGltf(const ExportSource& source, const ExportRequest& request, Made& made)
 {
     if (request.gltf.empty() || !made.lux) return Done{};
     UnwrappedScene unwrapped = unwrappedScene(source.rays, *made.report.atlas);
+    dim(unwrapped.scene, source.mix);
     if (request.withDirect) unwrapped.scene.lights.clear(); // or their light would count twice
     EncodedLightmap encoded = encodeLightmap(*made.lux);
     GltfLightmap lightmap;

@@ -22,6 +22,7 @@ struct ExportSource {
     const LightReach* reach = nullptr; ///< null: found anew
     const IndirectField& field;
     const BakeInfo& info;
+    Mix mix{}; ///< of the field; lamps are dimmed likewise
 };
 
 /// What was written, in order, and the atlas where one was made.
