@@ -200,6 +200,14 @@ private Q_SLOTS:
         scene.materials[0].roughness = 0.3f;
         const SceneFeatures glossy = findFeatures(scene);
         QVERIFY(!glossy.hasMirrors && glossy.hasGlossyMetal);
+        scene.materials[0].transmission = 1.0f; // metal all the same: nothing gets through
+        QVERIFY(!findFeatures(scene).hasGlass && !findFeatures(scene).hasPanes);
+        scene.materials[0].metallic = 0.0f;
+        const SceneFeatures pane = findFeatures(scene);
+        QVERIFY(pane.hasPanes && !pane.hasGlass && pane.hasSpecular() && says(pane, "Thin panes"));
+        scene.materials[0].thickness = 0.1f;
+        const SceneFeatures glass = findFeatures(scene);
+        QVERIFY(glass.hasGlass && !glass.hasPanes && says(glass, "Solid glass") && !says(glass, "no caustic photons"));
     }
 
     void largeScenesTakeSeconds()

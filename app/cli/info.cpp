@@ -42,7 +42,8 @@ Json asJson(const std::string& file, const Scene& scene, const SceneFeatures& f)
         {"luminance", asJson(f.luminance)},
         {"mirrors", f.hasMirrors},
         {"metal", f.hasGlossyMetal},
-        {"transmission", f.hasTransmission},
+        {"glass", f.hasGlass},
+        {"panes", f.hasPanes},
         {"textures", f.hasTextures},
         {"cutouts", f.hasCutouts},
         {"exposure", scene.exposureEv ? Json(*scene.exposureEv) : Json()},
@@ -103,7 +104,8 @@ void printSurfaces(const SceneFeatures& f)
     std::vector<std::string> traits;
     if (f.hasMirrors) traits.emplace_back("mirrors");
     if (f.hasGlossyMetal) traits.emplace_back("metal");
-    if (f.hasTransmission) traits.emplace_back("glass");
+    if (f.hasGlass) traits.emplace_back("solid glass");
+    if (f.hasPanes) traits.emplace_back("thin panes");
     if (f.hasTextures) traits.push_back(counted(f.images, "image", "images"));
     if (f.hasCutouts) traits.emplace_back("cut-outs");
     const std::string rest = traits.empty() ? "all diffuse, no textures" : fmt::format("{}", fmt::join(traits, ", "));

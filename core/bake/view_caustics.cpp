@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/bake/view_caustics.h"
 #include "core/base/units.h"
+#include "core/trace/medium.h"
 #include <limits>
 
 namespace lightloom {
@@ -20,18 +21,21 @@ void lookAlong(const RayScene& rays, glm::vec3 origin, glm::vec3 travel, std::si
                std::vector<MattPoint>& found)
 {
     glm::vec3 throughput(1.0f);
+    Medium medium;
     for (int bounce = 0; bounce < kMostMirrors; ++bounce) {
         Hit hit;
         if (!rays.intersect(origin, travel, std::numeric_limits<float>::infinity(), hit)) return;
         const Surface surface = surfaceAt(rays, hit);
+        if (medium.absorbs(hit, surface)) throughput *= medium.transmittance(hit, surface);
         const glm::vec3 n = hit.facing();
         if (surface.diffuse != glm::vec3(0.0f))
             found.push_back({pixel, hit.position, n, throughput * surface.diffuse / kPi});
         Scatter next;
         const glm::vec3 u(rng.uniform(), rng.uniform(), rng.uniform());
-        if (!surface.hasSpecular() || !scatter(surface, n, -travel, u, next) || !next.isSpecular) return;
-        throughput *= next.weight;
-        origin = rays.leave(hit.position, n);
+        if (!surface.isSeenInto() || !scatter(surface, n, -travel, u, next) || !next.isSpecular) return;
+        throughput *= next.radianceWeight();
+        medium.cross(hit, surface, next);
+        origin = rays.leave(hit.position, next.side(n));
         travel = next.away;
     }
 }

@@ -4,7 +4,8 @@
 #include "core/trace/caustic_light.h"
 
 /// The share of a path-traced picture that CausticLamps leave to photons. In every round each pixel looks along one
-/// camera ray for the matt surfaces it shows (behind mirrors and in glossy metal, too); discs there catch new photons.
+/// camera ray for the matt surfaces it shows (in mirrors, glossy metal and behind glass, too); discs there catch new
+/// photons.
 namespace lightloom {
 
 /// Rounds that the job asks for: one per sample up to 256, and these with a target.

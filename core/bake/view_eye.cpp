@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/bake/view_eye.h"
 #include "core/base/units.h"
+#include "core/trace/medium.h"
 #include <cmath>
 #include <limits>
 
 namespace lightloom {
 
 namespace {
-constexpr int kMostMirrors = 32; ///< between facing mirrors, say
+constexpr int kMostMirrors = 32; ///< between facing mirrors, say, or within a glass
 }
 
 Eye::Eye(const RayScene& rays, const LightSampler& lights, const Mix& mix, const IndirectField* field,
@@ -22,11 +23,13 @@ Radiance Eye::along(glm::vec3 origin, glm::vec3 travel, Rng& rng) const
 {
     Radiance seen;
     glm::vec3 throughput(1.0f);
+    Medium medium;
     bool isGlossy = false; // behind a rough metal: all that follows is indirect, and lamps are already counted
     for (int bounce = 0; bounce < kMostMirrors; ++bounce) {
         Hit hit;
         if (!rays_.intersect(origin, travel, std::numeric_limits<float>::infinity(), hit)) break;
         const Surface surface = surfaceAt(rays_, hit);
+        if (medium.absorbs(hit, surface)) throughput *= medium.transmittance(hit, surface);
         const glm::vec3 n = hit.facing();
         const Radiance here = leaving(hit, surface, n, -travel, !isGlossy, rng);
         seen.indirect += throughput * (isGlossy ? here.direct + here.indirect : here.indirect);
@@ -35,15 +38,16 @@ Radiance Eye::along(glm::vec3 origin, glm::vec3 travel, Rng& rng) const
 
         Scatter next;
         const glm::vec3 u(rng.uniform(), rng.uniform(), rng.uniform());
-        if (!surface.hasSpecular() && job_.indirect != ViewJob::Indirect::paths) break;
+        if (!surface.isSeenInto() && job_.indirect != ViewJob::Indirect::paths) break;
         if (!scatter(surface, n, -travel, u, next)) break;
-        origin = rays_.leave(hit.position, n);
+        origin = rays_.leave(hit.position, next.side(n));
         if (job_.indirect == ViewJob::Indirect::paths && !next.isMirror) {
             seen.indirect += throughput * next.weight * paths_.radiance(origin, next.away, false, job_.pathDepth, rng);
             break;
         }
         if (!next.isSpecular) break; // its diffuse part was taken above
-        throughput *= next.weight;
+        throughput *= next.radianceWeight();
+        medium.cross(hit, surface, next);
         isGlossy |= !next.isMirror;
         if (isGlossy && job_.indirect == ViewJob::Indirect::none) break;
         travel = next.away;

@@ -18,7 +18,7 @@ glm::vec3 reflectanceAt(const RayScene& rays, const ViewJob& job, const Lens& le
         Hit hit;
         if (!rays.intersect(origin, travel, std::numeric_limits<float>::infinity(), hit)) continue;
         const Surface surface = surfaceAt(rays, hit);
-        if (surface.hasSpecular()) return glm::vec3(0.0f);
+        if (surface.isSeenInto()) return glm::vec3(0.0f);
         sum += surface.diffuse;
     }
     return sum / static_cast<float>(job.samples);

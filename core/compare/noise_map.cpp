@@ -26,7 +26,7 @@ Seen along(const RayScene& rays, const IndirectField& field, glm::vec3 origin, g
         }
         Scatter next;
         if (!scatter(surface, n, -travel, glm::vec3(0.5f), next) || !next.isMirror) return {};
-        origin = rays.leave(hit.position, n);
+        origin = rays.leave(hit.position, next.side(n));
         travel = next.away;
     }
     return {};

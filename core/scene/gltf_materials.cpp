@@ -131,19 +131,31 @@ private:
                 warnings_.add("textures of KHR_materials_transmission are ignored, the factor counts");
             }
         }
-        if (to.transmission > 0.0f) {
-            warnings_.add("transmission is read, but light is not yet carried through glass: it counts as opaque");
-        }
         if (const auto* index = extension(from.extensions, "KHR_materials_ior")) {
             to.ior = static_cast<float>(gltfNumber(*index, "ior", 1.5));
         }
         if (const auto* volume = extension(from.extensions, "KHR_materials_volume")) {
             to.thickness = static_cast<float>(gltfNumber(*volume, "thicknessFactor", 0.0));
             to.attenuationDistance = static_cast<float>(gltfNumber(*volume, "attenuationDistance", 0.0));
+            if (volume->Has("thicknessTexture")) {
+                warnings_.add("textures of KHR_materials_volume are ignored: light takes the way through the mesh");
+            }
             const tinygltf::Value& colour = volume->Get("attenuationColor");
             for (int c = 0; c < 3 && colour.IsArray(); ++c) {
                 to.attenuationColor[c] = static_cast<float>(colour.Get(c).GetNumberAsDouble());
             }
+        }
+        warnOfGlass(to);
+    }
+
+    void warnOfGlass(const Material& glass)
+    {
+        if (!mayTransmit(glass)) return;
+        if (glass.roughness >= kMirrorRoughness) {
+            warnings_.add("rough glass (transmission with a roughness) is taken as smooth");
+        }
+        if (glass.ior > 0.0f && glass.ior < 1.0f) {
+            warnings_.add("an ior below 1 bends light away from the normal on its way in, as air in water does");
         }
     }
 

@@ -14,8 +14,8 @@ namespace lightloom {
 /// Supported: triangles, strips, fans; every component type, strides, sparse accessors, KHR_mesh_quantization; node
 /// trees with TRS or matrices, mirrored ones too; instancing; metallic-roughness materials with PNG and JPEG textures,
 /// KHR_texture_transform, KHR_materials_emissive_strength; KHR_lights_punctual; perspective cameras; extras.lightloom
-/// (`group` on a node, `exposure` on the scene). KHR_materials_transmission, _ior and _volume are read, not
-/// transported. Scene::origin is the centre of the bound, subtracted in double. Errors: one sentence that begins with
+/// (`group` on a node, `exposure` on the scene). KHR_materials_transmission, _ior and _volume, their factors without
+/// textures. Scene::origin is the centre of the bound, subtracted in double. Errors: one sentence that begins with
 /// the file's name. A scene without triangles is one. Any thread; hostile files cost no more than their limits
 /// (GltfLimits). A stop is seen between steps of a few milliseconds per million triangles; the error is `cancelled`.
 [[nodiscard]] Result<std::shared_ptr<const Scene>> readScene(const std::filesystem::path& file, const LogSink& log = {},

@@ -32,6 +32,8 @@ Bounds boundsOf(const Scene& scene)
 void clampAlbedos(Scene& scene)
 {
     for (Material& material : scene.materials) {
+        // clear glass takes nothing: what meets it finds its way out by itself
+        if (material.transmission >= 1.0f && material.metallic <= 0.0f) continue;
         glm::vec4& c = material.baseColor;
         const glm::vec4 clamped(glm::clamp(glm::vec3(c.x, c.y, c.z), 0.0f, kLargestAlbedo), c.w);
         const float most = maxChannel({c.x, c.y, c.z});
@@ -40,7 +42,8 @@ void clampAlbedos(Scene& scene)
             scene.warnings.push_back(
                 fmt::format("material \"{}\": reflects {:.3g}, taken as {}", material.name, most, kLargestAlbedo));
         }
-        if (!material.baseColorTexture.isSet()) c = clamped;
+        if (!material.baseColorTexture.isSet() && !mayTransmit(material))
+            c = clamped; // else at lookup: the tint is not
     }
 }
 

@@ -32,8 +32,10 @@ struct Texture {
     [[nodiscard]] bool isSet() const { return image >= 0; }
 };
 
-/// glTF metallic-roughness without a dielectric layer: diffuse (1 - metallic) baseColor / pi; the metallic part is GGX
-/// with F0 = baseColor and alpha = roughness^2, a mirror below roughness kMirrorRoughness.
+/// glTF metallic-roughness without a dielectric layer: diffuse (1 - metallic) (1 - transmission) baseColor / pi; the
+/// metallic part is GGX with F0 = baseColor and alpha = roughness^2, a mirror below roughness kMirrorRoughness; the
+/// clear part, (1 - metallic) transmission, is smooth glass whatever the roughness says, tinted by baseColor: with a
+/// thickness the border of a solid body (its meshes tell the shape, its front is outside), without one a thin pane.
 struct Material {
     enum class Alpha { opaque, mask, blend };
     std::string name;
@@ -48,9 +50,10 @@ struct Material {
     Alpha alpha = Alpha::opaque;
     float alphaCutoff = 0.5f;
     bool doubleSided = false; ///< drawn from behind, and emits from behind; light reflects on both sides anyway
-    float transmission = 0.0f, ior = 1.5f, thickness = 0.0f; ///< read; not yet transported
-    glm::vec3 attenuationColor{1.0f};
-    float attenuationDistance = 0.0f; ///< metres; 0: no attenuation
+    float transmission = 0.0f, ior = 1.5f; ///< ior 0: reflects everything
+    float thickness = 0.0f;                ///< metres; only whether it is 0 counts
+    glm::vec3 attenuationColor{1.0f};      ///< of white light after `attenuationDistance` of solid glass
+    float attenuationDistance = 0.0f;      ///< metres; 0: no attenuation
     [[nodiscard]] bool isEmissive() const { return emission.x > 0 || emission.y > 0 || emission.z > 0; }
 };
 inline constexpr float kMirrorRoughness = 0.05f; ///< below this a metal is a perfect mirror
@@ -59,6 +62,11 @@ inline constexpr float kMirrorRoughness = 0.05f; ///< below this a metal is a pe
 {
     const bool isMetal = m.metallic > 0.0f && (m.baseColor.x > 0.0f || m.baseColor.y > 0.0f || m.baseColor.z > 0.0f);
     return isMetal && (m.roughness < kMirrorRoughness || m.metallicRoughnessTexture.isSet());
+}
+/// True if light gets through some point of the material.
+[[nodiscard]] inline bool mayTransmit(const Material& m)
+{
+    return m.transmission > 0.0f && (m.metallic < 1.0f || m.metallicRoughnessTexture.isSet());
 }
 inline constexpr float kLargestAlbedo = 0.99f; ///< albedos are clamped here: at 1 light in a closed room never ends
 

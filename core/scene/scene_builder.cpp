@@ -33,6 +33,26 @@ int SceneBuilder::addMetal(const std::string& name, glm::vec3 reflectance, float
     return addMaterial(std::move(material));
 }
 
+int SceneBuilder::addGlass(const std::string& name, float ior, glm::vec3 attenuation, float distance)
+{
+    const int index = addPane(name, glm::vec3(1.0f), ior);
+    Material& glass = scene_.materials[static_cast<std::size_t>(index)];
+    glass.thickness = 1.0f; // its meshes tell the real one
+    glass.attenuationColor = attenuation;
+    glass.attenuationDistance = distance;
+    return index;
+}
+
+int SceneBuilder::addPane(const std::string& name, glm::vec3 tint, float ior)
+{
+    const int index = addMaterial(name, tint);
+    Material& pane = scene_.materials[static_cast<std::size_t>(index)];
+    pane.roughness = 0.0f;
+    pane.transmission = 1.0f;
+    pane.ior = ior;
+    return index;
+}
+
 int SceneBuilder::addEmitter(const std::string& name, glm::vec3 luminance, glm::vec3 albedo)
 {
     const int index = addMaterial(name, albedo);

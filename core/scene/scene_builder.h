@@ -17,6 +17,10 @@ public:
     int addMaterial(const std::string& name, glm::vec3 albedo);
     /// Metal: F0 per channel; below kMirrorRoughness a mirror.
     int addMetal(const std::string& name, glm::vec3 reflectance, float roughness);
+    /// Clear solid glass. `attenuation` is what it makes of white light after `distance` metres; 0: it absorbs nothing.
+    int addGlass(const std::string& name, float ior, glm::vec3 attenuation = glm::vec3(1.0f), float distance = 0.0f);
+    /// A thin pane for single sheets; `tint` is what a pass through its inside leaves.
+    int addPane(const std::string& name, glm::vec3 tint = glm::vec3(1.0f), float ior = 1.5f);
     /// Single-sided lamp surface of `luminance` cd/m2 per channel that reflects `albedo`.
     int addEmitter(const std::string& name, glm::vec3 luminance, glm::vec3 albedo = glm::vec3(0.0f));
     int addMaterial(Material material);

@@ -128,7 +128,7 @@ void lookAtMaterials(const Scene& scene, SceneFeatures& features)
         const bool isMetal = m.metallic > 0.0f && maxChannel({m.baseColor.x, m.baseColor.y, m.baseColor.z}) > 0.0f;
         features.hasMirrors = features.hasMirrors || mayMirror(m);
         features.hasGlossyMetal = features.hasGlossyMetal || (isMetal && m.roughness >= kMirrorRoughness);
-        features.hasTransmission = features.hasTransmission || m.transmission > 0.0f;
+        if (mayTransmit(m)) (m.thickness > 0.0f ? features.hasGlass : features.hasPanes) = true;
         features.hasTextures = features.hasTextures || m.baseColorTexture.isSet() ||
                                (isMetal && m.metallicRoughnessTexture.isSet()) ||
                                (m.isEmissive() && m.emissionTexture.isSet());
@@ -156,10 +156,11 @@ std::vector<std::string> consequences(const SceneFeatures& f)
     };
     say(f.emitters() == 0, "No light: nothing is shot, every bake is black.");
     say(f.darkLamps > 0, fmt::format("{} of the lamps give no light: nothing is shot for them.", f.darkLamps));
-    say(f.emitters() > 0 && !f.hasSpecular(), "No mirrors and no metal: no caustic photons are shot.");
-    say(f.hasSpecular(), fmt::format("{}: light by way of it is followed as caustics.",
-                                     f.hasMirrors ? "Mirrors or smooth metal" : "Metal"));
-    say(f.hasTransmission, "Glass: counts as opaque for now.");
+    say(f.emitters() > 0 && !f.hasSpecular(), "No mirrors, metal or glass: no caustic photons are shot.");
+    say(f.hasMirrors || f.hasGlossyMetal, fmt::format("{}: light by way of it is followed as caustics.",
+                                                      f.hasMirrors ? "Mirrors or smooth metal" : "Metal"));
+    say(f.hasGlass, "Solid glass: bends light, which is followed as caustics and counts as indirect.");
+    say(f.hasPanes, "Thin panes: light goes straight through and counts as indirect.");
     say(!f.hasTextures, "No textures: reflectance is looked up once per material.");
     say(!f.hasCutouts, "No cut-outs: rays stop at the first triangle they meet.");
     say(f.groups == 1, "One light group: one layer, nothing to mix but its own brightness.");

@@ -33,12 +33,13 @@ struct SceneFeatures {
     std::optional<LightRange> luminance;    ///< cd/m2 of glowing surfaces, before their textures
 
     // of materials that some instance wears
-    bool hasMirrors = false;      ///< metal smoother than kMirrorRoughness
-    bool hasGlossyMetal = false;  ///< any other metal
-    bool hasTransmission = false; ///< read, not transported
-    bool hasTextures = false;     ///< that light sees: base colour, metal and roughness, emission
-    bool hasCutouts = false;      ///< alpha masks
-    [[nodiscard]] bool hasSpecular() const { return hasMirrors || hasGlossyMetal; }
+    bool hasMirrors = false;     ///< metal smoother than kMirrorRoughness
+    bool hasGlossyMetal = false; ///< any other metal
+    bool hasGlass = false;       ///< solid: bends light
+    bool hasPanes = false;       ///< thin glass: light goes straight through
+    bool hasTextures = false;    ///< that light sees: base colour, metal and roughness, emission
+    bool hasCutouts = false;     ///< alpha masks
+    [[nodiscard]] bool hasSpecular() const { return hasMirrors || hasGlossyMetal || hasGlass || hasPanes; }
     [[nodiscard]] std::uint64_t emitters() const
     {
         return pointLamps + spotLamps + suns + glowingInstances - darkLamps;

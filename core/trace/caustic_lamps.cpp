@@ -9,11 +9,12 @@ namespace {
 constexpr float kSmall = 1e-4f;    ///< area of a small lamp, in squared diagonals of the scene
 constexpr double kEvenShare = 0.1; ///< of the photons; the rest by flux
 
-bool hasMirrors(const Scene& scene)
+bool hasMirrorsOrGlass(const Scene& scene)
 {
     for (const Instance& instance : scene.instances) {
         const Mesh& mesh = scene.meshes[static_cast<std::size_t>(instance.mesh)];
-        if (mayMirror(scene.materials[static_cast<std::size_t>(mesh.material)])) return true;
+        const Material& material = scene.materials[static_cast<std::size_t>(mesh.material)];
+        if (mayMirror(material) || mayTransmit(material)) return true;
     }
     return false;
 }
@@ -34,7 +35,7 @@ bool isSmall(const RayScene& rays, const Emitter& emitter)
 CausticLamps::CausticLamps(const RayScene& rays, const LightSampler& lights, const Mix& mix)
     : lights_(lights), mix_(mix), isChosen_(lights.emitters().size(), false)
 {
-    if (!hasMirrors(rays.scene())) return;
+    if (!hasMirrorsOrGlass(rays.scene())) return;
     std::vector<double> power;
     double all = 0.0;
     for (std::size_t e = 0; e < isChosen_.size(); ++e) {

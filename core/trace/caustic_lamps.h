@@ -4,9 +4,10 @@
 
 namespace lightloom {
 
-/// Lamps whose light, where it meets a mirror first, photons have to carry: from point, spot and directional lamps no
-/// path can find it, to glowing surfaces under 1e-4 of the scene's squared diagonal hardly one does. Paths then leave
-/// exactly this light out (PathWalk), so that nothing counts twice. Empty without mirrors. Built for one mix.
+/// Lamps whose light, where it meets a mirror or glass first, photons have to carry: from point, spot and directional
+/// lamps no path can find it, to glowing surfaces under 1e-4 of the scene's squared diagonal hardly one does. Paths
+/// then leave exactly this light out (PathWalk), so that nothing counts twice. Empty without mirrors and glass. Built
+/// for one mix.
 class CausticLamps {
 public:
     CausticLamps(const RayScene& rays, const LightSampler& lights, const Mix& mix);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/trace/caustic_light.h"
 #include "core/base/units.h"
-#include "core/trace/material.h"
+#include "core/trace/medium.h"
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +10,7 @@ namespace lightloom {
 namespace {
 
 constexpr std::uint64_t kStream = hashName("caustic photons"), kBlock = 4096;
+constexpr float kClearChance = 0.9f;  ///< of going on, at most, at mirrors and glass after kClearBounces
 constexpr double kShrink = 2.0 / 3.0; ///< alpha of Knaus and Zwicker: noise and bias fall alike
 
 /// One photon of the light that paths leave out.
@@ -28,20 +29,24 @@ public:
         if (!lamps_.emit(rng, photon)) return;
         glm::vec3 flux = photon.flux / static_cast<float>(job_.photons), origin = photon.position,
                   travel = photon.travel;
+        Medium medium;
         for (int bounce = 0; bounce < job_.pathDepth; ++bounce) {
             Hit hit;
             const bool isHit = rays_.intersect(origin, travel, std::numeric_limits<float>::infinity(), hit);
+            const Surface surface = isHit ? surfaceAt(rays_, hit) : Surface{};
+            if (isHit && medium.absorbs(hit, surface)) flux *= medium.transmittance(hit, surface);
             if (bounce > 0) send(origin, travel, isHit ? &hit : nullptr, flux);
             if (!isHit) return;
             const glm::vec3 n = hit.facing();
             Scatter next;
             const glm::vec3 u(rng.uniform(), rng.uniform(), rng.uniform());
-            if (!scatter(surfaceAt(rays_, hit), n, -travel, u, next)) return;
+            if (!scatter(surface, n, -travel, u, next)) return;
             if (bounce == 0 && !next.isMirror) return; // a path finds this one
-            const float chance = glm::min(1.0f, maxChannel(next.weight));
+            const float chance = glm::min(clearChance(surface, bounce), maxChannel(next.weight));
             if (!(rng.uniform() < chance)) return;
             flux *= next.weight / chance;
-            origin = rays_.leave(hit.position, n);
+            medium.cross(hit, surface, next);
+            origin = rays_.leave(hit.position, next.side(n));
             travel = next.away;
         }
     }

@@ -8,8 +8,9 @@
 namespace lightloom {
 
 /// Progressive photon tracing (Hachisuka et al. 2008; memoryless as in Knaus and Zwicker 2011) for the light that
-/// CausticLamps names: photons whose first surface mirrors them, and all that becomes of these. Every round shoots new
-/// photons at smaller discs; the mean over rounds converges, its bias with the discs, its noise with the photons.
+/// CausticLamps names: photons whose first surface mirrors them or lets them through, and all that becomes of these.
+/// Every round shoots new photons at smaller discs; the mean over rounds converges, its bias with the discs, its noise
+/// with the photons.
 struct CausticJob {
     std::uint64_t seed = 1;
     int pathDepth = 1024;

@@ -96,6 +96,7 @@ glm::vec3 directGlossy(const RayScene& rays, const LightSampler& lights, const M
     if (!surface.hasSpecular() || surface.isMirror()) return glm::vec3(0.0f);
     Surface glossy = surface;
     glossy.diffuse = glm::vec3(0.0f);
+    glossy.glass = Glass{};
     glm::dvec3 total(0.0);
     bool anySurface = false;
     sampleLamps(

@@ -2,6 +2,7 @@
 #include "core/trace/final_gather.h"
 #include "core/base/low_discrepancy.h"
 #include "core/base/sampling.h"
+#include "core/trace/medium.h"
 #include <limits>
 
 namespace lightloom {
@@ -10,7 +11,8 @@ namespace {
 constexpr int kSureBounces = 3;  ///< after these, roulette
 constexpr int kMostBounces = 32; ///< between facing mirrors, say
 
-/// One gather ray and whatever it has to follow: mirrors and gloss always, matt surfaces where the cache has nothing.
+/// One gather ray and whatever it has to follow: mirrors, glass and gloss always, matt surfaces where the cache has
+/// nothing.
 class GatherRay {
 public:
     GatherRay(const RayScene& rays, const LightSampler& lights, const Mix& mix, const CachedIndirect& cached,
@@ -22,11 +24,13 @@ public:
     glm::vec3 radiance(glm::vec3 origin, glm::vec3 travel)
     {
         glm::vec3 light(0.0f), throughput(1.0f);
-        bool seesLamps = false; // only a mirror: other light from lamps is taken at the hit before
+        bool seesLamps = false; // only a mirror or glass: other light from lamps is taken at the hit before
+        Medium medium;
         for (int bounce = 1;; ++bounce) {
             Hit hit;
             if (!rays_.intersect(origin, travel, std::numeric_limits<float>::infinity(), hit)) return light;
             const Surface surface = surfaceAt(rays_, hit);
+            if (medium.absorbs(hit, surface)) throughput *= medium.transmittance(hit, surface);
             const int e = seesLamps ? lights_.emitterOf(hit.triangle) : -1;
             if (e >= 0) {
                 const int group = lights_.emitters()[static_cast<std::size_t>(e)].group;
@@ -38,7 +42,8 @@ public:
             if (bounce >= kMostBounces || !goOn(surface, n, -travel, isCached, bounce, throughput)) return light;
             seesLamps = next_.isMirror;
             travel = next_.away;
-            origin = rays_.leave(hit.position, n);
+            medium.cross(hit, surface, next_);
+            origin = rays_.leave(hit.position, next_.side(n));
         }
     }
 
@@ -60,7 +65,7 @@ private:
         if (isCached) surface.diffuse = glm::vec3(0.0f);
         const glm::vec3 u(rng_.uniform(), rng_.uniform(), rng_.uniform());
         if (!scatter(surface, n, toEye, u, next_)) return false;
-        throughput *= next_.weight;
+        throughput *= next_.radianceWeight();
         if (bounce < kSureBounces) return true;
         const float chance = glm::min(1.0f, maxChannel(next_.weight));
         if (!(rng_.uniform() < chance)) return false;

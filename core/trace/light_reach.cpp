@@ -27,11 +27,12 @@ struct OpenPoint {
 class Explorer {
 public:
     Explorer(const RayScene& rays, const LightSampler& lights, const SideElements& elements)
-        : rays_(rays), lights_(lights), elements_(elements), reached_(elements.count(), 0)
+        : rays_(rays), lights_(lights), elements_(elements), reached_(elements.count(), 0),
+          isGlassy_(std::ranges::any_of(rays.scene().materials, mayTransmit))
     {
     }
 
-    /// Random walks from every lamp that lose nothing at the walls.
+    /// Random walks from every lamp that lose nothing at the walls, and go on either side of glass.
     bool walkFromLamps(Workers& workers, const std::stop_token& stop)
     {
         const std::size_t groups = rays_.scene().groups.size();
@@ -95,6 +96,11 @@ private:
             if (!rays_.intersect(origin, travel, kFar, hit)) return;
             origin = rays_.leave(hit.position, hit.facing());
             found.push_back({origin, hit.facing(), elements_.of(hit)});
+            if (mayTransmit(rays_.material(hit.triangle)) && rng.uniform() < 0.5f) {
+                hit.isFront = !hit.isFront;
+                origin = rays_.leave(hit.position, hit.facing());
+                found.push_back({origin, hit.facing(), elements_.of(hit)});
+            }
             const float u1 = rng.uniform(), u2 = rng.uniform();
             travel = Frame(hit.facing()).toWorld(sampleCosineHemisphere(u1, u2));
         }
@@ -146,8 +152,19 @@ private:
             const bool facing = glm::dot(line, here.n) > 0.0f && glm::dot(line, other.n) < 0.0f;
             if (!facing || rays_.isBlocked(here.p, other.p)) continue;
             found.push_back(here);
+            lookThrough(here, found);
             return;
         }
+    }
+
+    /// Light on glass comes out on its other side.
+    void lookThrough(const OpenPoint& here, std::vector<OpenPoint>& found) const
+    {
+        Hit hit; // seen from `here`, a step back to the surface
+        if (!isGlassy_ || !rays_.intersect(here.p, -here.n, 3.0f * rays_.offset(), hit)) return;
+        if (!mayTransmit(rays_.material(hit.triangle))) return;
+        hit.isFront = !hit.isFront;
+        found.push_back({rays_.leave(hit.position, hit.facing()), hit.facing(), elements_.of(hit)});
     }
 
     [[nodiscard]] bool facesAny(std::uint32_t element, const Targets& targets) const
@@ -169,6 +186,7 @@ private:
     const LightSampler& lights_;
     const SideElements& elements_;
     std::vector<std::uint8_t> reached_;
+    bool isGlassy_; // some material lets light through
     std::vector<OpenPoint> open_;
 };
 
@@ -178,7 +196,7 @@ double areaOf(const ReachedFacet& f)
 }
 
 /// Whether a point is in the open: it sees a lamp, or two random walks that lose nothing at the walls come to where one
-/// is seen. (Two: a single ray can leak through an edge into a closed void.)
+/// is seen, on either side of the glass they meet. (Two: a single ray can leak through an edge into a closed void.)
 class OpenTest {
 public:
     OpenTest(const RayScene& rays, const LightSampler& lights) : rays_(rays), lights_(lights) {}
@@ -199,6 +217,7 @@ private:
             const float u1 = rng.uniform(), u2 = rng.uniform();
             Hit hit;
             if (!rays_.intersect(origin, Frame(n).toWorld(sampleCosineHemisphere(u1, u2)), kFar, hit)) return false;
+            if (mayTransmit(rays_.material(hit.triangle)) && rng.uniform() < 0.5f) hit.isFront = !hit.isFront;
             n = hit.facing();
             origin = rays_.leave(hit.position, n);
             if (seesLamp(origin, n, rng)) return true;

@@ -9,7 +9,8 @@ namespace lightloom {
 /// The surface that light can reach at all. The inside of a thick wall, the outside of a closed room and the floor
 /// under a block cannot be reached; counting them would halve densities beside them and put probes into the dark.
 /// Judged element by element (SideElements): reached is what a random walk from a lamp meets, and what sees something
-/// reached. Depends on the scene alone, not on which lamps are on. Without lamps everything counts as reached.
+/// reached; glass that is reached from one side is reached on both. Depends on the scene alone, not on which lamps are
+/// on. Without lamps everything counts as reached.
 class LightReach {
 public:
     static std::shared_ptr<const LightReach> find(const RayScene& rays, const LightSampler& lights, Workers& workers,

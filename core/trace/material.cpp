@@ -179,6 +179,41 @@ float specularChance(const Surface& s, float cosEye)
     return specular / (specular + diffuse);
 }
 
+float sum(glm::vec3 v) { return v.x + v.y + v.z; }
+
+/// Chance of the glass: its share of what is sent on of light from the eye.
+float glassChance(const Surface& s, float cosEye)
+{
+    if (!(s.glass.share > 0.0f)) return 0.0f;
+    const GlassShares shares = glassShares(s.glass, cosEye);
+    const float clear = sum(shares.reflected) + sum(shares.through);
+    const float rest = sum(s.diffuse) + (s.hasSpecular() ? sum(fresnel(s, cosEye)) : 0.0f);
+    return clear > 0.0f ? clear / (clear + rest) : 0.0f;
+}
+
+/// Reflects at glass or goes through, by Fresnel's share; the glass was picked with `chance`.
+Scatter scatterAtGlass(const Surface& s, const Frame& frame, glm::vec3 eye, float u, float chance)
+{
+    const GlassShares shares = glassShares(s.glass, eye.z);
+    const float reflected = sum(shares.reflected), back = reflected / (reflected + sum(shares.through));
+    Scatter out;
+    out.isMirror = out.isSpecular = true;
+    if (u < back) {
+        out.away = frame.toWorld({-eye.x, -eye.y, eye.z});
+        out.weight = shares.reflected / (chance * back);
+        return out;
+    }
+    out.isThrough = true;
+    out.weight = shares.through / (chance * (1.0f - back));
+    if (s.glass.isThin) {
+        out.away = frame.toWorld(-eye);
+        return out;
+    }
+    out.away = frame.toWorld(refracted(eye, s.glass.eta));
+    out.radianceScale = 1.0f / (s.glass.eta * s.glass.eta);
+    return out;
+}
+
 Ggx lobeOf(const Surface& s) { return {s.roughness * s.roughness}; }
 
 glm::vec3 localBrdf(const Surface& s, glm::vec3 toLight, glm::vec3 toEye)
@@ -192,6 +227,7 @@ glm::vec3 localBrdf(const Surface& s, glm::vec3 toLight, glm::vec3 toEye)
     return f;
 }
 
+/// Of the lobes that reflect, as if there were no glass.
 float localPdf(const Surface& s, glm::vec3 away, glm::vec3 toEye)
 {
     if (away.z <= 0.0f || toEye.z <= 0.0f) return 0.0f;
@@ -199,6 +235,17 @@ float localPdf(const Surface& s, glm::vec3 away, glm::vec3 toEye)
     float pdf = (1.0f - chance) * away.z / kPi;
     if (chance > 0.0f && !s.isMirror()) pdf += chance * lobeOf(s).pdf(toEye, glm::normalize(away + toEye));
     return pdf;
+}
+
+void addGlass(const Material& m, const Hit& hit, glm::vec3 tint, float share, Surface& s)
+{
+    s.diffuse *= 1.0f - glm::min(1.0f, m.transmission);
+    s.glass.share = glm::min(1.0f, share);
+    s.glass.isThin = !(m.thickness > 0.0f);
+    s.glass.tint = tint;
+    const bool isEntered = hit.isFront || s.glass.isThin;
+    s.glass.eta = isEntered || !(m.ior > 0.0f) ? m.ior : 1.0f / m.ior;
+    if (!s.glass.isThin) s.glass.absorption = absorptionOf(m);
 }
 
 } // namespace
@@ -224,7 +271,8 @@ Surface surfaceAt(const RayScene& rays, const Hit& hit)
     const Material& m = corner.material;
     glm::vec3 base = glm::vec3(m.baseColor) * glm::vec3(corner.look(m.baseColorTexture, true));
     if (!corner.mesh.colors.empty()) base *= glm::vec3(corner.at(corner.mesh.colors));
-    base = glm::clamp(base, 0.0f, kLargestAlbedo);
+    const glm::vec3 tint = glm::clamp(base, 0.0f, 1.0f);
+    base = glm::min(tint, kLargestAlbedo);
     float metallic = m.metallic, roughness = m.roughness;
     if (m.metallicRoughnessTexture.isSet()) {
         const glm::vec4 t = corner.look(m.metallicRoughnessTexture, false);
@@ -239,6 +287,7 @@ Surface surfaceAt(const RayScene& rays, const Hit& hit)
     s.grazing = metallic * kLargestAlbedo;
     s.roughness = glm::clamp(roughness, 0.0f, 1.0f);
     if (hit.isFront || m.doubleSided) s.emission = corner.emission();
+    if (m.transmission > 0.0f) addGlass(m, hit, tint, (1.0f - metallic) * m.transmission, s);
     return s;
 }
 
@@ -260,14 +309,15 @@ glm::vec3 brdf(const Surface& surface, glm::vec3 n, glm::vec3 toLight, glm::vec3
 float scatterPdf(const Surface& surface, glm::vec3 n, glm::vec3 away, glm::vec3 toEye)
 {
     const Frame frame(n);
-    return localPdf(surface, frame.toLocal(away), frame.toLocal(toEye));
+    const glm::vec3 eye = frame.toLocal(toEye);
+    return (1.0f - glassChance(surface, eye.z)) * localPdf(surface, frame.toLocal(away), eye);
 }
 
-bool scatter(const Surface& surface, glm::vec3 n, glm::vec3 toEye, glm::vec3 u, Scatter& out)
+namespace {
+
+/// What reflects, as if there were no glass.
+bool scatterBack(const Surface& surface, const Frame& frame, glm::vec3 eye, glm::vec3 u, Scatter& out)
 {
-    const Frame frame(n);
-    const glm::vec3 eye = frame.toLocal(toEye);
-    if (eye.z <= 0.0f) return false;
     const float chance = specularChance(surface, eye.z);
     if (chance == 0.0f && Surface::maxChannel3(surface.diffuse) <= 0.0f) return false;
 
@@ -297,6 +347,31 @@ bool scatter(const Surface& surface, glm::vec3 n, glm::vec3 toEye, glm::vec3 u, 
         out.weight = surface.diffuse / (1.0f - chance);
     } else {
         out.weight = localBrdf(surface, away, eye) * (away.z / out.pdf);
+    }
+    return true;
+}
+
+} // namespace
+
+bool scatter(const Surface& surface, glm::vec3 n, glm::vec3 toEye, glm::vec3 u, Scatter& out)
+{
+    const Frame frame(n);
+    const glm::vec3 eye = frame.toLocal(toEye);
+    if (eye.z <= 0.0f) return false;
+    float rest = 1.0f;
+    if (surface.glass.share > 0.0f) {
+        const float clear = glassChance(surface, eye.z);
+        if (u.z < clear) {
+            out = scatterAtGlass(surface, frame, eye, u.x, clear);
+            return true;
+        }
+        rest = 1.0f - clear;
+        u.z = (u.z - clear) / rest;
+    }
+    if (!scatterBack(surface, frame, eye, u, out)) return false;
+    if (rest < 1.0f) {
+        out.weight /= rest;
+        out.pdf *= rest;
     }
     return true;
 }

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/trace/path_walk.h"
 #include "core/base/units.h"
+#include "core/trace/medium.h"
 #include <limits>
 
 namespace lightloom {
 namespace {
 
-constexpr int kSureBounces = 3; ///< roulette from the next one on
+constexpr int kSureBounces = 3;      ///< roulette from the next one on
+constexpr float kClearChance = 0.9f; ///< at most, for mirrors and glass after kClearBounces
 constexpr float kFar = std::numeric_limits<float>::infinity();
 
 } // namespace
@@ -26,25 +28,30 @@ glm::vec3 PathWalk::emitted(const Hit& hit, const Surface& surface) const
 glm::vec3 PathWalk::reflected(Hit hit, Surface surface, glm::vec3 travel, int pathDepth, Rng& rng) const
 {
     glm::vec3 light(0.0f), throughput(1.0f);
+    Medium medium;
+    if (medium.absorbs(hit, surface)) throughput *= medium.transmittance(hit, surface);
     for (int depth = 1;; ++depth) {
         const glm::vec3 n = hit.facing(), toEye = -travel, start = rays_.leave(hit.position, n);
         light += throughput * fromLamps(surface, start, n, toEye, rng);
         Scatter next;
         const glm::vec3 u(rng.uniform(), rng.uniform(), rng.uniform());
         if (depth >= pathDepth || !scatter(surface, n, toEye, u, next)) return light;
-        throughput *= next.weight;
+        throughput *= next.radianceWeight();
         if (depth > kSureBounces) {
             // the root: paths live twice as long as the light does, which thirds the variance at albedo .8 and
             // halves variance x time there; at .5 it costs a tenth more
-            const float chance = glm::min(1.0f, std::sqrt(maxChannel(next.weight)));
+            const float chance = glm::min(clearChance(surface, depth), std::sqrt(maxChannel(next.weight)));
             if (!(rng.uniform() < chance)) return light;
             throughput /= chance;
         }
         travel = next.away;
-        if (!rays_.intersect(start, travel, kFar, hit)) return light;
+        medium.cross(hit, surface, next);
+        const glm::vec3 from = rays_.leave(hit.position, next.side(n));
+        if (!rays_.intersect(from, travel, kFar, hit)) return light;
         surface = surfaceAt(rays_, hit);
+        if (medium.absorbs(hit, surface)) throughput *= medium.transmittance(hit, surface);
         const glm::vec3 emission = emitted(hit, surface);
-        if (emission != glm::vec3(0.0f)) light += throughput * emission * lobeShare(next, start, hit);
+        if (emission != glm::vec3(0.0f)) light += throughput * emission * lobeShare(next, from, hit);
     }
 }
 

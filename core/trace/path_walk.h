@@ -7,8 +7,8 @@
 namespace lightloom {
 
 /// Unidirectional paths with next event estimation; the balance heuristic joins lamps and lobes (Veach 1997). Unbiased
-/// up to the given number of surfaces, but for light of point, spot and directional lamps that meets a mirror first:
-/// no path finds it. With `byPhotons` the light of those lamps that meets a mirror first is left to photons altogether.
+/// up to the given number of surfaces, but for light of point, spot and directional lamps that meets a mirror or glass
+/// first: no path finds it. With `byPhotons` the light of those lamps that does so is left to photons altogether.
 /// Built for one mix, then only read. Keeps references.
 class PathWalk {
 public:
@@ -17,7 +17,8 @@ public:
     /// cd/m2 that `hit` emits towards the ray that came along.
     [[nodiscard]] glm::vec3 emitted(const Hit& hit, const Surface& surface) const;
 
-    /// cd/m2 that `hit` reflects back along `travel`; what it emits itself is left out.
+    /// cd/m2 that `hit` sends back along `travel` of what it gets, as it arrives at the ray's origin; what it emits
+    /// itself is left out.
     [[nodiscard]] glm::vec3 reflected(Hit hit, Surface surface, glm::vec3 travel, int pathDepth, Rng& rng) const;
 
     /// Radiance (cd/m2) that arrives at `origin` from direction -`travel` along one path: what the first surface emits

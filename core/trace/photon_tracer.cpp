@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/trace/photon_tracer.h"
 #include "core/base/units.h"
-#include "core/trace/material.h"
+#include "core/trace/medium.h"
 #include <atomic>
 #include <limits>
 
@@ -34,6 +34,7 @@ public:
         out_.ledger.emitted += glm::dvec3(flux_);
         glm::vec3 origin = photon.position, travel = photon.travel;
         bool diffused = false, specular = false; // what the path has met
+        Medium medium;
         for (int bounce = 0;; ++bounce) {
             Hit hit;
             ++out_.rays;
@@ -42,7 +43,10 @@ public:
                 return;
             }
             const glm::vec3 normal = hit.facing();
-            // the first diffuse hit is direct light, computed exactly elsewhere, unless a mirror was on the way
+            const Surface surface = surfaceAt(rays_, hit);
+            if (medium.absorbs(hit, surface) && !pass(medium.transmittance(hit, surface), rng)) return;
+            // the first diffuse hit is direct light, computed exactly elsewhere, unless a mirror or glass was on the
+            // way
             if (bounce > 0) {
                 out_.photons.push_back({hit.position, -travel, flux_, normal});
                 if (specular && !diffused) ++out_.caustic;
@@ -53,32 +57,40 @@ public:
                 return;
             }
             Scatter next;
-            if (!reflect(hit, normal, -travel, rng, next)) return;
+            if (!goOn(surface, normal, -travel, bounce, rng, next)) return;
             (next.isSpecular ? specular : diffused) = true;
-            origin = rays_.leave(hit.position, normal);
+            medium.cross(hit, surface, next);
+            origin = rays_.leave(hit.position, next.side(normal));
             travel = next.away;
         }
     }
 
 private:
     /// Roulette on the largest channel of the scattering weight; what does not go on is absorbed. False: it ended.
-    bool reflect(const Hit& hit, glm::vec3 normal, glm::vec3 toEye, Rng& rng, Scatter& next)
+    bool goOn(const Surface& surface, glm::vec3 normal, glm::vec3 toEye, int bounce, Rng& rng, Scatter& next)
     {
-        const Surface surface = surfaceAt(rays_, hit);
         const glm::vec3 u(rng.uniform(), rng.uniform(), rng.uniform());
         const float survive = rng.uniform();
-        const glm::vec3 before = flux_;
         if (!scatter(surface, normal, toEye, u, next)) {
-            out_.ledger.absorbed += glm::dvec3(before);
+            out_.ledger.absorbed += glm::dvec3(flux_);
             return false;
         }
-        const float chance = glm::min(1.0f, maxChannel(next.weight));
+        return thin(next.weight, clearChance(surface, bounce), survive);
+    }
+
+    /// The same for what glass on the way lets pass.
+    bool pass(glm::vec3 transmittance, Rng& rng) { return thin(transmittance, 1.0f, rng.uniform()); }
+
+    bool thin(glm::vec3 weight, float most, float survive)
+    {
+        const glm::vec3 before = flux_;
+        const float chance = glm::min(most, maxChannel(weight));
         if (!(survive < chance)) {
             out_.ledger.absorbed += glm::dvec3(before);
             return false;
         }
-        flux_ = before * (next.weight / chance);
-        // a weight above 1 in a channel (lobe choice) gives back here what other paths lost: the sum stays exact
+        flux_ = before * (weight / chance);
+        // a weight above 1 in a channel (lobe choice, glass) gives back here what other paths lost: the sum stays exact
         out_.ledger.absorbed += glm::dvec3(before) - glm::dvec3(flux_);
         return true;
     }
