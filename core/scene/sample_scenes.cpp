@@ -9,8 +9,11 @@ Result<Scene> sampleScene(std::string_view name, std::optional<std::uint64_t> tr
 {
     if (name == "figure") return figureScene(triangles.value_or(kFigureTriangles));
     using Maker = Scene (*)();
-    static constexpr std::array<std::pair<std::string_view, Maker>, 4> kMakers{
-        {{"cornell", cornellBox}, {"two_rooms", twoRooms}, {"atrium", atrium}, {"gallery", gallery}}};
+    static constexpr std::array<std::pair<std::string_view, Maker>, 5> kMakers{{{"cornell", cornellBox},
+                                                                                {"two_rooms", twoRooms},
+                                                                                {"atrium", atrium},
+                                                                                {"gallery", gallery},
+                                                                                {"caustic_ring", causticRing}}};
     for (const auto& [known, make] : kMakers) {
         if (name != known) continue;
         if (!triangles) return make();

@@ -26,13 +26,17 @@ namespace lightloom {
 /// wooden floor (textures), mirrors (a golden ring, a steel ball) and brushed frames.
 [[nodiscard]] Scene gallery();
 
+/// A table of 1.2 m before a wall, a lamp of 10 x 10 cm above: a brass ring that throws a cardioid of light inside, and
+/// a ball of faintly green glass (index 1.5) that throws a focus beside it. Open to black.
+[[nodiscard]] Scene causticRing();
+
 /// The Cornell box without its blocks, and a carved figure in it: a closed surface displaced at five scales. The whole
 /// scene has `triangles` triangles, one fewer where that is odd. Range 40 .. 20,000,000, else an Error.
 inline constexpr std::uint64_t kFigureTriangles = 24000, kLeastFigureTriangles = 40, kMostFigureTriangles = 20'000'000;
 [[nodiscard]] Result<Scene> figureScene(std::uint64_t triangles = kFigureTriangles);
 
-inline constexpr std::array<std::string_view, 5> kSampleSceneNames{"cornell", "two_rooms", "atrium", "gallery",
-                                                                   "figure"};
+inline constexpr std::array<std::string_view, 6> kSampleSceneNames{"cornell", "two_rooms",    "atrium",
+                                                                   "gallery", "caustic_ring", "figure"};
 /// The scene of that name. Errors: an unknown name (lists the known ones), `triangles` for a scene of fixed size, or
 /// out of range.
 [[nodiscard]] Result<Scene> sampleScene(std::string_view name, std::optional<std::uint64_t> triangles = std::nullopt);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scene/shapes.h"
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <numbers>
@@ -127,6 +128,30 @@ Mesh cylinderMesh(glm::vec3 foot, float radius, float height, int segments)
     }
     addCap(mesh, foot + up, radius, segments, 1.0f);
     addCap(mesh, foot, radius, segments, -1.0f);
+    return mesh;
+}
+
+Mesh bandMesh(glm::vec3 foot, float inner, float outer, float height, int segments)
+{
+    assert(segments >= 3 && inner < outer);
+    // the section's corners, run through so that the strip between each and the next looks out of the band
+    const std::array<glm::vec2, 4> corners{{{outer, 0.0f}, {outer, height}, {inner, height}, {inner, 0.0f}}};
+    const std::array<glm::vec2, 4> normals{{{1.0f, 0.0f}, {0.0f, 1.0f}, {-1.0f, 0.0f}, {0.0f, -1.0f}}};
+    Mesh mesh;
+    for (std::size_t side = 0; side < 4; ++side) {
+        const std::size_t first = mesh.positions.size(), n = static_cast<std::size_t>(segments);
+        const glm::vec2 a = corners[side], b = corners[(side + 1) % 4], out = normals[side];
+        for (int i = 0; i < segments; ++i) {
+            const glm::vec2 c(onCircle(i, segments));
+            for (const glm::vec2 p : {a, b})
+                addVertex(mesh, foot + glm::vec3(c.x * p.x, p.y, c.y * p.x), {c.x * out.x, out.y, c.y * out.x});
+        }
+        for (std::size_t i = 0; i < n; ++i) {
+            const std::size_t here = first + 2 * i, next = first + 2 * ((i + 1) % n);
+            addTriangle(mesh, here, here + 1, next + 1);
+            addTriangle(mesh, here, next + 1, next);
+        }
+    }
     return mesh;
 }
 

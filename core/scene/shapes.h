@@ -24,6 +24,9 @@ enum class Facing { out, in }; ///< where the front of a closed body looks: in i
 /// Closed upright cylinder: smooth mantle (`segments` quads, at least 3) and two flat caps.
 [[nodiscard]] Mesh cylinderMesh(glm::vec3 foot, float radius, float height, int segments);
 
+/// Closed upright band, a ring with a rectangular section: smooth mantles inside and outside, flat rims.
+[[nodiscard]] Mesh bandMesh(glm::vec3 foot, float inner, float outer, float height, int segments);
+
 /// Closed torus around `axis` (unit), smooth.
 [[nodiscard]] Mesh torusMesh(glm::vec3 centre, glm::vec3 axis, float radius, float tube, int segments,
                              int tubeSegments);
