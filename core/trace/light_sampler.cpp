@@ -4,8 +4,10 @@
 #include "core/trace/emission_mean.h"
 #include "core/trace/material.h"
 #include "core/trace/spot_cone.h"
+#include "core/trace/sun_aim.h"
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace lightloom {
 namespace {
@@ -73,9 +75,10 @@ struct Dealer {
 struct LightSampler::State {
     std::shared_ptr<const RayScene> rays;
     std::vector<Emitter> emitters;
-    std::vector<glm::dvec3> flux; // as Emitter::flux
-    std::vector<Shape> shapes;    // by emitter, empty for punctual lights
-    std::vector<SpotCone> cones;  // by emitter, spots only
+    std::vector<glm::dvec3> flux;            // as Emitter::flux
+    std::vector<Shape> shapes;               // by emitter, empty for punctual lights
+    std::vector<SpotCone> cones;             // by emitter, spots only
+    std::vector<std::optional<SunAim>> aims; // by emitter, directional lights only
     std::vector<Dealer> groups;
     std::vector<int> emitterOfInstance;
     glm::vec3 centre{0.0f}; // of a sphere around the scene, for directional lights
@@ -89,6 +92,7 @@ struct LightSampler::State {
     {
         return rays->scene().lights[static_cast<std::size_t>(e.light)];
     }
+    void emitDirectional(const SunAim& aim, const Emitter& e, Rng& rng, EmittedPhoton& out) const;
     void emitPunctual(const Emitter& e, const SpotCone& cone, Rng& rng, EmittedPhoton& out) const;
     void emitSurface(const Shape& shape, Rng& rng, EmittedPhoton& out) const;
     bool samplePunctual(const Emitter& e, const SpotCone& cone, glm::vec3 p, LightSample& out) const;
@@ -102,6 +106,7 @@ void LightSampler::State::add(const Emitter& emitter, glm::dvec3 lumen)
     flux.push_back(lumen);
     shapes.resize(emitters.size());
     cones.resize(emitters.size());
+    aims.resize(emitters.size());
     Dealer& group = groups[static_cast<std::size_t>(emitter.group)];
     group.emitters.push_back(static_cast<int>(emitters.size()) - 1);
     group.flux += lumen;
@@ -126,6 +131,7 @@ void LightSampler::State::addPunctual(int index)
     }
     add(e, glm::dvec3(l.intensity) * solidAngle);
     cones.back() = cone;
+    if (e.kind == Emitter::Kind::directional) aims.back().emplace(*rays, l.travel, centre, radius);
 }
 
 void LightSampler::State::addSurface(int index)
@@ -191,6 +197,15 @@ void LightSampler::State::deal()
     }
 }
 
+void LightSampler::State::emitDirectional(const SunAim& aim, const Emitter& e, Rng& rng, EmittedPhoton& out) const
+{
+    float weight = 1.0f;
+    out.position = aim.pick(rng, weight);
+    out.travel = light(e).travel;
+    out.side = glm::vec3(0.0f);
+    out.flux = e.flux * weight;
+}
+
 void LightSampler::State::emitPunctual(const Emitter& e, const SpotCone& cone, Rng& rng, EmittedPhoton& out) const
 {
     const PunctualLight& l = light(e);
@@ -198,20 +213,8 @@ void LightSampler::State::emitPunctual(const Emitter& e, const SpotCone& cone, R
     out.position = l.position;
     out.side = glm::vec3(0.0f);
     out.flux = e.flux;
-    switch (e.kind) {
-    case Emitter::Kind::spot:
-        out.travel = glm::normalize(Frame(l.travel).toWorld(cone.sample(u1, u2)));
-        break;
-    case Emitter::Kind::directional: {
-        const glm::vec2 d = radius * sampleDisc(u1, u2);
-        out.position = centre + Frame(l.travel).toWorld({d.x, d.y, -2.0f * radius});
-        out.travel = l.travel;
-        break;
-    }
-    default:
-        out.travel = sampleSphere(u1, u2);
-        break;
-    }
+    out.travel = e.kind == Emitter::Kind::spot ? glm::normalize(Frame(l.travel).toWorld(cone.sample(u1, u2)))
+                                               : sampleSphere(u1, u2);
 }
 
 void LightSampler::State::emitSurface(const Shape& shape, Rng& rng, EmittedPhoton& out) const
@@ -313,6 +316,8 @@ bool LightSampler::emitFrom(int emitter, Rng& rng, EmittedPhoton& photon) const
     const Emitter& what = state_->emitters[e];
     if (what.kind == Emitter::Kind::surface)
         state_->emitSurface(state_->shapes[e], rng, photon);
+    else if (state_->aims[e])
+        state_->emitDirectional(*state_->aims[e], what, rng, photon);
     else
         state_->emitPunctual(what, state_->cones[e], rng, photon);
     return maxChannel(photon.flux) > 0.0f;
