@@ -16,5 +16,6 @@ void main()
     float here = length(vWorld - eye);
     // marks lie on surfaces: half a per cent nearer counts as before
     bool isHidden = surface.w > 0.5 && length(surface.xyz - eye) < 0.995 * here;
-    colour = vec4(vColour.xyz, vColour.w * (isHidden ? 0.3 : 1.0));
+    // a little below white: a blend of bytes may be rounded up twice, and Mesa's rasteriser then wraps to black
+    colour = vec4(0.97 * vColour.xyz, vColour.w * (isHidden ? 0.3 : 1.0));
 }

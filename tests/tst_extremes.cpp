@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Claims, line by line after the list of extremes: whatever the scene and parameters, results are finite and not
 // negative, energy is right, nothing hangs. Photon methods: light-octree and photon-map.
-#include "core/bake/gpu_layout.h"
+#include "core/bake/packed_octree.h"
 #include "core/base/units.h"
 #include "core/photonmap/photon_map_solver.h"
 #include "core/photonmap/photon_products.h"
@@ -43,8 +43,14 @@ void checkSound(const test::Baked& baked)
         const glm::vec3 lux = octree->irradiance(e.centroid, e.normal);
         for (int c = 0; c < 3; ++c) QVERIFY(std::isfinite(lux[c]) && lux[c] >= 0.0f);
     }
-    const auto gpu = makeGpuOctree(*octree);
-    QVERIFY2(static_cast<bool>(gpu), gpu ? "" : gpu.error().message.c_str());
+    for (const OctreeShow show : {OctreeShow::lights, OctreeShow::colour}) { // looked up as pixels do
+        const auto packed = PackedOctree::make(octree->showing(show));
+        QVERIFY2(static_cast<bool>(packed), packed ? "" : packed.error().message.c_str());
+        for (const OctreeEntry& e : octree->geometry().entries) {
+            const glm::vec3 lux = (*packed)->irradiance(e.centroid, e.normal);
+            for (int c = 0; c < 3; ++c) QVERIFY(std::isfinite(lux[c]) && lux[c] >= 0.0f);
+        }
+    }
     const Ledger& ledger = baked.counters.ledger;
     for (int c = 0; c < 3; ++c) {
         QVERIFY2(std::abs(ledger.missing()[c]) <= 1e-9 * ledger.emitted[c],

@@ -11,7 +11,7 @@ namespace lightloom {
 
 namespace {
 
-const glm::vec4 kBox(1.0f, 1.0f, 1.0f, 0.9f), kNormal(0.55f, 0.85f, 0.4f, 1.0f), kDot(0.35f, 0.75f, 1.0f, 0.9f),
+const glm::vec4 kBox(1.0f, 1.0f, 1.0f, 1.0f), kNormal(0.55f, 0.85f, 0.4f, 1.0f), kDot(0.35f, 0.75f, 1.0f, 1.0f),
     kArrow(1.0f, 0.75f, 0.2f, 1.0f), kOther(1.0f, 0.75f, 0.2f, 0.45f);
 
 QString luxText(float lux)

@@ -73,7 +73,7 @@ void MarkPass::draw(const FrameView& frame, const GBuffer& buffers, glm::ivec2 w
                       GL_STREAM_DRAW);
     gl_->glEnable(GL_BLEND);
     gl_->glBlendEquation(GL_FUNC_ADD);
-    gl_->glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+    gl_->glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE); // the window stays opaque
     program_.use();
     program_.setTexture("gPosition", 0, GL_TEXTURE_2D, buffers.position.id());
     program_.set("eye", frame.eye);
