@@ -20,9 +20,8 @@ std::vector<std::shared_ptr<const PhotonMap>> mapsOf(const PhotonMapField& field
 /// `layers` hold caches of the same photons, gathered alike.
 bool fit(const std::vector<PhotonMapField::Layer>& layers, const PhotonMapField& field)
 {
-    return std::ranges::equal(layers, field.layers(), [](const auto& a, const auto& b) {
-        return a.map == b.map && a.kernel.count == b.kernel.count && a.kernel.cap == b.kernel.cap;
-    });
+    return std::ranges::equal(layers, field.layers(),
+                              [](const auto& a, const auto& b) { return a.map == b.map && a.kernel == b.kernel; });
 }
 
 } // namespace
@@ -120,7 +119,7 @@ void PhotonWorker::fill(Desk& desk, Workers& workers, const std::stop_token& qui
     const std::stop_callback linked(quit, [&stop] { stop.request_stop(); });
     {
         std::lock_guard lock(mutex_);
-        if (question_ || isHeld_ || isForgotten_) return;
+        if (question_ || isHeld_ || isForgotten_) return; // taken up before anything is begun
         filling_ = stop;
         fillingFor_ = mapsOf(*desk.question->photons);
     }

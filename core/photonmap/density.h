@@ -21,6 +21,7 @@ struct DensityKernel {
     /// group's photons would fill if they lay evenly over all of the reached surface. A dark room then loses some
     /// photons of its K rather than the shape of its light.
     static DensityKernel of(const BakeParams& params, const PhotonMap& map, const SurfaceArea& area, float cellSize);
+    bool operator==(const DensityKernel&) const = default;
 };
 
 /// What the photons near a point say.
