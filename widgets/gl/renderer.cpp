@@ -35,10 +35,13 @@ Result<Done> Renderer::linkPrograms()
     const struct {
         GlProgram& program;
         const char *vertex, *fragment;
-    } wanted[] = {
-        {surfaceProgram_, "scene.vert", "scene.frag"},           {shadowProgram_, "shadow.vert", "shadow.frag"},
-        {directProgram_, "fullscreen.vert", "mode_direct.frag"}, {plainProgram_, "fullscreen.vert", "mode_plain.frag"},
-        {postProgram_, "fullscreen.vert", "pass_post.frag"},     {copyProgram_, "fullscreen.vert", "pass_copy.frag"}};
+    } wanted[] = {{surfaceProgram_, "scene.vert", "scene.frag"},
+                  {shadowProgram_, "shadow.vert", "shadow.frag"},
+                  {directProgram_, "fullscreen.vert", "mode_direct.frag"},
+                  {plainProgram_, "fullscreen.vert", "mode_plain.frag"},
+                  {postProgram_, "fullscreen.vert", "pass_post.frag"},
+                  {copyProgram_, "fullscreen.vert", "pass_copy.frag"},
+                  {glassProgram_, "scene.vert", "glass.frag"}};
     for (const auto& each : wanted) {
         Result<GlProgram> linked = shaders.link(gl_, each.vertex, each.fragment);
         if (!linked) return linked.error();
@@ -135,6 +138,26 @@ void Renderer::drawSurfaces(const GBuffer& buffers, const FrameView& frame, glm:
     scene_->draw(surfaceProgram_, true, emissionScale_, environments_->ofInstances(), without);
 }
 
+/// Takes from the light behind glass what the glass takes. Before the background there is nothing to take.
+void Renderer::drawGlass(const GBuffer& buffers, const FrameView& frame, glm::vec2 shift)
+{
+    if (!scene_ || !scene_->hasGlass()) return;
+    gl_.glBindFramebuffer(GL_FRAMEBUFFER, buffers.lighting.id());
+    gl_.glDisable(GL_DEPTH_TEST); // the shader compares with the surfaces itself: this framebuffer has no depth
+    gl_.glEnable(GL_BLEND);
+    gl_.glBlendEquation(GL_FUNC_ADD);
+    gl_.glBlendFuncSeparate(GL_ZERO, GL_SRC_COLOR, GL_ZERO, GL_ONE);
+    glm::mat4 shifted(1.0f);
+    shifted[3] = glm::vec4(2.0f * shift / glm::vec2(buffers.size), 0.0f, 1.0f);
+    glassProgram_.use();
+    glassProgram_.set("viewProjection", shifted * frame.projection * frame.view);
+    glassProgram_.set("eye", frame.eye);
+    glassProgram_.set("nearer", 1e-5f * scene_->data().scene->bounds.diagonal());
+    glassProgram_.setTexture("gPosition", 4, GL_TEXTURE_2D, buffers.position.id());
+    scene_->drawGlass(glassProgram_);
+    gl_.glDisable(GL_BLEND);
+}
+
 void Renderer::drawDirect(const ModeFrame& frame, int lights, float emissionScale)
 {
     directProgram_.use();
@@ -223,6 +246,7 @@ Result<Done> Renderer::draw(const FrameView& frame, int sample, glm::ivec2 size,
     }
     drawSurfaces(*buffers_, frame, shiftOf(sample), -1);
     drawLight(*buffers_, frame, true);
+    drawGlass(*buffers_, frame, shiftOf(sample));
     addToSum(sample == 0);
     present(frame, sample + 1, target, window);
     return Done{};

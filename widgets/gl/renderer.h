@@ -91,10 +91,11 @@ private:
     void drawLight(const GBuffer& buffers, const FrameView& frame, bool mirrors);
     [[nodiscard]] PreviewMode* indirectOf(ViewMode mode); ///< null: the mode shows no indirect light
     void drawDirect(const ModeFrame& frame, int lights, float emissionScale);
+    void drawGlass(const GBuffer& buffers, const FrameView& frame, glm::vec2 shift);
     void addToSum(bool first);
 
     Gl& gl_;
-    GlProgram surfaceProgram_, shadowProgram_, directProgram_, plainProgram_, postProgram_, copyProgram_;
+    GlProgram surfaceProgram_, shadowProgram_, directProgram_, plainProgram_, postProgram_, copyProgram_, glassProgram_;
     std::unique_ptr<ModeVdl> vdl_, colours_;
     std::optional<OverlayPass> overlay_;
     std::optional<MarkPass> marks_;

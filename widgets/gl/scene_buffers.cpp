@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "widgets/gl/scene_buffers.h"
 #include "widgets/gl/texture_upload.h"
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <fmt/format.h>
@@ -24,6 +25,9 @@ glm::mat3 uvMatrix(const Texture& t)
     return {glm::vec3(c * t.scale.x, -s * t.scale.x, 0.0f), glm::vec3(s * t.scale.y, c * t.scale.y, 0.0f),
             glm::vec3(t.offset.x, t.offset.y, 1.0f)};
 }
+
+/// Seen through rather than seen; the rest of such a surface is not drawn.
+bool isClear(const Material& m) { return (1.0f - m.metallic) * m.transmission > 0.5f; }
 
 } // namespace
 
@@ -96,6 +100,22 @@ void SceneBuffers::setMaterial(const GlProgram& program, std::size_t index, bool
     }
 }
 
+void SceneBuffers::setPlace(const GlProgram& program, const Instance& instance) const
+{
+    program.set("toWorld", instance.toWorld);
+    // the inverse transpose up to scale, without dividing by a determinant that may be tiny
+    const glm::mat3 m(instance.toWorld);
+    const glm::mat3 cofactors(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
+    program.set("normalToWorld", instance.isMirrored() ? -cofactors : cofactors);
+}
+
+void SceneBuffers::drawMesh(std::size_t mesh) const
+{
+    const DrawData::Range& range = data_->meshes[mesh];
+    gl_.glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(range.count), GL_UNSIGNED_INT,
+                       offset(range.first * sizeof(std::uint32_t)));
+}
+
 void SceneBuffers::draw(const GlProgram& program, bool surfaces, float emissionScale,
                         const std::vector<int>& environments, int without) const
 {
@@ -107,26 +127,47 @@ void SceneBuffers::draw(const GlProgram& program, bool surfaces, float emissionS
         if (static_cast<int>(i) == without) continue;
         const Instance& instance = scene.instances[i];
         const auto mesh = static_cast<std::size_t>(instance.mesh);
-        if (const int material = scene.meshes[mesh].material; material != bound) {
+        const int material = scene.meshes[mesh].material;
+        if (surfaces && isClear(scene.materials[static_cast<std::size_t>(material)])) continue;
+        if (material != bound) {
             setMaterial(program, static_cast<std::size_t>(material), surfaces, emissionScale);
             bound = material;
         }
         gl_.glFrontFace(instance.isMirrored() ? GL_CW : GL_CCW);
-        program.set("toWorld", instance.toWorld);
         if (surfaces) {
-            // the inverse transpose up to scale, without dividing by a determinant that may be tiny
-            const glm::mat3 m(instance.toWorld);
-            const glm::mat3 cofactors(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
             program.set("environment", environments.empty() ? 0.0f : static_cast<float>(environments[i]));
-            program.set("normalToWorld", instance.isMirrored() ? -cofactors : cofactors);
+            setPlace(program, instance);
+        } else {
+            program.set("toWorld", instance.toWorld);
         }
-        const DrawData::Range& range = data_->meshes[mesh];
-        gl_.glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(range.count), GL_UNSIGNED_INT,
-                           offset(range.first * sizeof(std::uint32_t)));
+        drawMesh(mesh);
     }
     gl_.glDisable(GL_CULL_FACE);
     gl_.glFrontFace(GL_CCW);
     gl_.glBindVertexArray(0);
+}
+
+void SceneBuffers::drawGlass(const GlProgram& program) const
+{
+    gl_.glBindVertexArray(array_.id());
+    gl_.glDisable(GL_CULL_FACE);
+    const Scene& scene = *data_->scene;
+    for (const Instance& instance : scene.instances) {
+        const auto mesh = static_cast<std::size_t>(instance.mesh);
+        const auto material = static_cast<std::size_t>(scene.meshes[mesh].material);
+        const Material& m = scene.materials[material];
+        if (!isClear(m)) continue;
+        setMaterial(program, material, false, 1.0f);
+        program.set("glass", glm::vec3((1.0f - m.metallic) * m.transmission, m.ior, m.thickness > 0.0f ? 0.0f : 1.0f));
+        setPlace(program, instance);
+        drawMesh(mesh);
+    }
+    gl_.glBindVertexArray(0);
+}
+
+bool SceneBuffers::hasGlass() const
+{
+    return std::ranges::any_of(data_->scene->materials, [](const Material& m) { return isClear(m); });
 }
 
 } // namespace lightloom

@@ -17,6 +17,9 @@ public:
     /// instance, as EnvironmentMaps has them, or empty; instance `without` (-1: none) is left out.
     void draw(const GlProgram& program, bool surfaces, float emissionScale, const std::vector<int>& environments = {},
               int without = -1) const;
+    /// Meshes of mostly clear materials, which `draw` leaves out with `surfaces`: both faces, for glass.frag.
+    void drawGlass(const GlProgram& program) const;
+    [[nodiscard]] bool hasGlass() const;
 
     [[nodiscard]] const DrawData& data() const { return *data_; }
     [[nodiscard]] std::size_t bytes() const { return bytes_; }
@@ -25,6 +28,8 @@ private:
     void uploadTextures();
     GLuint textureOf(const Texture& texture, bool srgb);
     void setMaterial(const GlProgram& program, std::size_t index, bool surfaces, float emissionScale) const;
+    void setPlace(const GlProgram& program, const Instance& instance) const; ///< with the normals' way to the world
+    void drawMesh(std::size_t mesh) const;
 
     struct MaterialTextures {
         GLuint base = 0, material = 0, normal = 0, emission = 0;
