@@ -340,7 +340,8 @@ private Q_SLOTS:
         QVERIFY2(inside >= 0.95 * areaOf(sphereMesh({2, 0.9f, 2}, 0.5f, 12)), qPrintable(QString::number(inside)));
         QCOMPARE(samplePoints(*lit.rays, *lit.lights, *reach, 500, 1).size(), std::size_t(500));
         const auto paths = shootPhotons(lit, 20'000);
-        QVERIFY(paths->caustic > 100);
+        // the sun aims at its window: 3,300 without, 19,400 with
+        QVERIFY2(paths->caustic > 10'000, qPrintable(QString::number(paths->caustic)));
     }
 
     void extremesEndAndStayFinite_data()

@@ -63,6 +63,11 @@ double SunAim::passedOn(const RayScene& rays, std::uint32_t cell) const
             met += rays.intersect(origin, frame.toWorld(sampleCosineHemisphere(v1, v2)), kFar, next) ? 1 : 0;
         }
         sum += static_cast<double>(reflected) * met / kBounces;
+        if (!(surface.glass.share > 0.0f)) continue;
+        // straight on through glass, whatever it bends: near enough for an aim
+        Hit beyond;
+        if (rays.intersect(rays.leave(hit.position, -hit.facing()), travel_, kFar, beyond))
+            sum += static_cast<double>(surface.glass.share);
     }
     return sum / kRays;
 }
