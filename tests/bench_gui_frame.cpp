@@ -40,6 +40,17 @@ int main(int argc, char** argv)
         !draw.setColours(std::make_shared<GpuOctree>(*colours))) {
         return 1;
     }
+    Workers workers;
+    const auto rays = RayScene::build(scene);
+    if (!rays) return 1;
+    const auto reach = LightReach::find(**rays, LightSampler(*rays), workers, {});
+    const auto atlas = makeAtlas(**rays, *reach, {}, workers, {});
+    if (!atlas || !draw.setAtlas(makeAtlasDraw(**rays, **atlas))) return 1;
+    QElapsedTimer atlasClock;
+    atlasClock.start();
+    while (!draw.renderAtlas(1000.0)) {
+    }
+    const double atlasMs = static_cast<double>(atlasClock.nsecsElapsed()) * 1e-6;
     while (!draw.drawShadows(1000.0)) {
     }
     QElapsedTimer mirrors;
@@ -58,6 +69,8 @@ int main(int argc, char** argv)
                  {"direct", ViewMode::direct, false},
                  {"octree, indirect only", ViewMode::octree, true},
                  {"octree", ViewMode::octree, false},
+                 {"atlas, indirect only", ViewMode::atlas, true},
+                 {"atlas", ViewMode::atlas, false},
                  {"colours, indirect only", ViewMode::colours, true},
                  {"colours", ViewMode::colours, false},
                  {"photon map's picture", ViewMode::plain, false, true}};
@@ -81,6 +94,7 @@ int main(int argc, char** argv)
     for (std::size_t i = 0; i < std::size(modes); ++i) {
         fmt::print("{:24} {:8.1f} ms  {:5.2f} x plain\n", modes[i].label, median(times[i]), median(times[i]) / plain);
     }
+    fmt::print("octree into an atlas of {0} x {0} texels, once per light: {1:.0f} ms\n", (*atlas)->size, atlasMs);
     if (draw.environmentCount() > 0) {
         fmt::print("{} environment maps, once per light: {:.1f} ms a face\n", draw.environmentCount(),
                    mirrorsMs / (6.0 * draw.environmentCount()));

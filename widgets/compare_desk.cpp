@@ -259,7 +259,9 @@ void CompareDesk::tellNames()
         left += tr(", noise %1 %").arg(100.0 * picture_->noise, 0, 'f', 1);
     }
     const ViewMode mode = parts_.viewport->mode();
-    const QString name = mode == ViewMode::colours ? tr("Colour octree") : tr("Octree");
+    const QString name = mode == ViewMode::colours ? tr("Colour octree")
+                         : mode == ViewMode::atlas ? tr("Atlas")
+                                                   : tr("Octree");
     QString right =
         view_.snapshot.isRough ? tr("%1, rough").arg(name) : tr("%1, depth %2").arg(name).arg(view_.snapshot.level);
     if (mode == ViewMode::photonMap) right = tr("Photon map");

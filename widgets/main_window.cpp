@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "widgets/main_window.h"
 #include "core/params/param_text.h"
+#include "widgets/atlas_desk.h"
 #include "widgets/bake_bridge.h"
 #include "widgets/bake_panel.h"
 #include "widgets/compare_desk.h"
@@ -94,6 +95,7 @@ MainWindow::~MainWindow()
     delete exportDialog_;
     delete compareDesk_;
     delete photonDesk_;
+    delete atlasDesk_;
     delete bridge_;
     delete worker_;
     delete loader_;
@@ -201,6 +203,7 @@ void MainWindow::setScene(std::shared_ptr<const DrawData> opened, const QString&
     sweepPanel_->setScene(data_->scene, file);
     if (compareDesk_ != nullptr) {
         photonDesk_->forget();
+        atlasDesk_->forget();
         pickDesk_->forget();
         compareDesk_->setScene(file);
         compareDesk_->setMix(mix_);
@@ -338,7 +341,6 @@ void MainWindow::takeView(const BakeView& view)
     if (rowSerial_ != view.snapshot.serial) {
         snapshots_->clear();
         rowSerial_ = view.snapshot.serial;
-        if (view.snapshot.serial == jobSerial_) rowParams_ = bakedParams_;
     }
     snapshots_->add(view);
     export_->setEnabled(true);
@@ -379,6 +381,7 @@ void MainWindow::judgeView()
     const BakeView* view = snapshots_->shown();
     if (compareDesk_ != nullptr && view != nullptr && view->mixSerial == mixSerial_) {
         photonDesk_->setView(*view);
+        atlasDesk_->setView(*view);
         pickDesk_->setView(*view);
         compareDesk_->setView(asShown(*view));
     }
@@ -389,6 +392,7 @@ void MainWindow::setMode(ViewMode mode)
     if (viewport_ == nullptr) return;
     viewport_->setMode(mode);
     photonDesk_->modeChanged();
+    atlasDesk_->modeChanged();
     compareDesk_->showPhotonState(photonDesk_->stateText());
     judgeView();
     compareDesk_->modeChanged();
@@ -452,7 +456,7 @@ std::optional<ExportOrder> MainWindow::exportOrder() const
     const BakeView* view = snapshots_->shown();
     if (view == nullptr || !view->rays || view->mixSerial != mixSerial_) return {};
     ExportOrder order{*view, mix_, {}, {}};
-    order.info.params = rowParams_;
+    order.info.params = view->params;
     order.info.params.octreeDepth = view->snapshot.level; // a coarse one may be shown
     order.info.program = QCoreApplication::applicationVersion().toStdString();
     return order;

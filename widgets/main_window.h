@@ -23,6 +23,7 @@ class QUndoStack;
 
 namespace lightloom {
 
+class AtlasDesk;
 class BakeBridge;
 class BakePanel;
 class CompareDesk;
@@ -152,7 +153,7 @@ private:
     std::uint64_t sceneSerial_ = 0;          ///< the scene's first job
     std::optional<std::uint64_t> rowSerial_; ///< job whose snapshots stand in the row
     bool isBaking_ = false;
-    BakeParams bakedParams_, rowParams_; ///< of the newest job; of the snapshots in the row
+    BakeParams bakedParams_;
     QTimer editDelay_, frameTold_;
     QElapsedTimer toldClock_; ///< since progress was shown
 
@@ -171,6 +172,7 @@ private:
     SnapshotBar* snapshots_ = nullptr;
     CompareDesk* compareDesk_ = nullptr;
     PhotonDesk* photonDesk_ = nullptr;
+    AtlasDesk* atlasDesk_ = nullptr;
     PickDesk* pickDesk_ = nullptr;
     ComparePanel* comparePanel_ = nullptr;
     LegendStrip* legend_ = nullptr;

@@ -2,10 +2,12 @@
 // What the window holds its picture against: commands and places of the reference, the errors and the wipe. What they
 // do stands in compare_desk.cpp.
 #include "core/compare/false_colour.h"
+#include "widgets/atlas_desk.h"
 #include "widgets/compare_desk.h"
 #include "widgets/compare_panel.h"
 #include "widgets/legend_strip.h"
 #include "widgets/main_window.h"
+#include "widgets/message_bar.h"
 #include "widgets/photon_desk.h"
 #include "widgets/pick_desk.h"
 #include "widgets/sweep_panel.h"
@@ -13,6 +15,7 @@
 #include "widgets/wipe_handle.h"
 #include <QAction>
 #include <QActionGroup>
+#include <QLabel>
 #include <QMenu>
 #include <QToolButton>
 
@@ -93,6 +96,9 @@ void MainWindow::connectCompare()
     compareDesk_ = new CompareDesk({viewport_, comparePanel_, handle, legend_, reference_, wipe_}, this);
     connect(compareDesk_, &CompareDesk::tracing, this, &MainWindow::tellBusy);
     pickDesk_ = new PickDesk(viewport_, worker_, pick_, this);
+    atlasDesk_ = new AtlasDesk(viewport_, this);
+    connect(atlasDesk_, &AtlasDesk::made, this, [this](const QString& about) { statusStage_->setText(about); });
+    connect(atlasDesk_, &AtlasDesk::failed, this, [this](const QString& problem) { messages_->show(problem); });
     photonDesk_ = new PhotonDesk(viewport_, this);
     connect(photonDesk_, &PhotonDesk::stateChanged, this,
             [this] { compareDesk_->showPhotonState(photonDesk_->stateText()); });

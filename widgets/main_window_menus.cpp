@@ -62,12 +62,14 @@ void MainWindow::makeActions()
     // 2 and 3 are kept for methods that are not here yet; what shows the same bake in other ways has Alt with it
     bakeModes_ = {addModeAction(tr("&Octree"), Qt::Key_1, ViewMode::octree,
                                 tr("Direct light and the baked indirect light, from virtual lights")),
+                  addModeAction(tr("A&tlas"), Qt::ALT | Qt::Key_3, ViewMode::atlas,
+                                tr("The octree's light kept in a lightmap: each pixel reads one texel")),
                   addModeAction(tr("&Colour octree"), Qt::ALT | Qt::Key_1, ViewMode::colours,
                                 tr("The same octree without directions: each cell keeps the sum of its light alone")),
                   addModeAction(tr("Photon &map"), Qt::ALT | Qt::Key_2, ViewMode::photonMap,
                                 tr("Irradiance kept at every 4th photon, the nearest answers; rendered bit by bit"))};
-    bakeModes_[1]->setIconText(tr("Colours")); // the toolbar is short
-    bakeModes_[2]->setIconText(tr("Photons"));
+    bakeModes_[2]->setIconText(tr("Colours")); // the toolbar is short
+    bakeModes_[3]->setIconText(tr("Photons"));
     addModeAction(tr("&Reference"), Qt::Key_4, ViewMode::reference,
                   tr("The path-traced picture, as far as it has come; the octree until then"));
     addModeAction(tr("&Direct"), Qt::Key_5, ViewMode::direct, tr("Light that comes straight from the lamps (preview)"));

@@ -132,6 +132,13 @@ void Viewport::setMode(ViewMode mode)
     changed();
 }
 
+void Viewport::setAtlas(std::shared_ptr<const AtlasDraw> atlas)
+{
+    atlas_ = std::move(atlas);
+    atlasIsNew_ = true;
+    if (mode_ == ViewMode::atlas) changed();
+}
+
 void Viewport::setIndirectOnly(bool only)
 {
     frame_.indirectOnly = only;
@@ -201,7 +208,8 @@ void Viewport::frameScene()
 
 bool Viewport::isSettled() const
 {
-    const bool isDrawn = !isMoving_ && scale_ == 1.0f && shadowsReady_ && mirrorsReady_ && sample_ >= kSamples;
+    const bool isLit = shadowsReady_ && mirrorsReady_ && atlasReady_;
+    const bool isDrawn = !isMoving_ && scale_ == 1.0f && isLit && sample_ >= kSamples;
     return isDrawn && !sceneIsNew_ && !octreeIsNew_ && !mixIsNew_ && !presentOnly_;
 }
 
@@ -259,6 +267,10 @@ void Viewport::applyPending()
         outcome = renderer_->setColours(colours_);
         coloursAreNew_ = false;
     }
+    if (outcome && atlasIsNew_ && mode_ == ViewMode::atlas) { // likewise
+        outcome = renderer_->setAtlas(atlas_);
+        atlasIsNew_ = false;
+    }
     if (mixIsNew_ || sceneIsNew_) renderer_->setMix(mix_);
     if (marksAreNew_) renderer_->marks().setMarks(marks_);
     marksAreNew_ = false;
@@ -281,11 +293,12 @@ void Viewport::paintGL()
         if (!isSettled() && !isMoving_ && !more_.isActive()) more_.start(pacer_.pauseMs());
         return;
     }
-    const bool before = shadowsReady_ && mirrorsReady_;
+    const bool before = shadowsReady_ && mirrorsReady_ && atlasReady_;
     // at rest as long as a picture takes: each slice of them is followed by one
     const double slice = isMoving_ ? 0.5 * kShadowMs : std::max(kShadowMs, frameMs_);
     shadowsReady_ = renderer_->drawShadows(slice);
     mirrorsReady_ = shadowsReady_ && (!showsBake() || renderer_->drawEnvironments(slice));
+    atlasReady_ = mode_ != ViewMode::atlas || renderer_->renderAtlas(slice);
     if (!before) sample_ = 0; // lit differently than the pictures averaged so far
     const bool isPassing = !shadowsReady_ && pacer_.showsNewsCoarse(); // the next slice will replace it
     scale_ = isMoving_ || isPassing ? pacer_.coarseScale() : 1.0f;
@@ -304,7 +317,8 @@ void Viewport::paintGL()
 
 bool Viewport::showsBake() const
 {
-    return mode_ == ViewMode::octree || mode_ == ViewMode::colours || mode_ == ViewMode::photonMap;
+    return mode_ == ViewMode::octree || mode_ == ViewMode::atlas || mode_ == ViewMode::colours ||
+           mode_ == ViewMode::photonMap;
 }
 
 void Viewport::frameDone(double frameMs, double allMs)
@@ -315,7 +329,7 @@ void Viewport::frameDone(double frameMs, double allMs)
     ++sample_;
     Q_EMIT frameDrawn(frameMs_, !isMoving_ && scale_ == 1.0f);
     if (!data_) return;
-    if (!isMoving_ && (sample_ < kSamples || !shadowsReady_ || !mirrorsReady_)) {
+    if (!isMoving_ && (sample_ < kSamples || !shadowsReady_ || !mirrorsReady_ || !atlasReady_)) {
         more_.start(pacer_.pauseMs());
     } else if (isSettled() && !toldSettled_) {
         toldSettled_ = true;

@@ -38,6 +38,8 @@ public:
     void setPhotonPicture(std::shared_ptr<const View> picture);
     /// How far the light shown is off it. Null: not known (yet).
     void setErrors(std::shared_ptr<const ViewError> errors);
+    /// The scene's atlas, for its mode. Null: none (yet); the octree is shown.
+    void setAtlas(std::shared_ptr<const AtlasDraw> atlas);
     void setErrorsShown(bool shown); ///< in place of light, as false colour
     /// Part of the width, from the left, that reference or errors take; nothing: all of it.
     void setWipe(std::optional<float> part);
@@ -62,6 +64,7 @@ public:
     /// Nothing more will change by itself: full resolution, all shadow maps, smooth edges.
     [[nodiscard]] bool isSettled() const;
     [[nodiscard]] int shadowLayersDrawn() const { return renderer_ ? renderer_->shadowLayersDrawn() : 0; }
+    [[nodiscard]] bool hasAtlas() const { return atlas_ != nullptr; }
     [[nodiscard]] bool hasPhotonPicture() const { return photons_ != nullptr; }
     [[nodiscard]] const FramePacer& pacer() const { return pacer_; }
     /// Share of the widget's resolution of the last picture.
@@ -121,6 +124,8 @@ private:
     std::shared_ptr<const DrawData> data_;
     std::shared_ptr<const GpuOctree> octree_, colours_;
     std::shared_ptr<const View> reference_, photons_;
+    std::shared_ptr<const AtlasDraw> atlas_;
+    bool atlasIsNew_ = false, atlasReady_ = true; ///< ready: nothing of it is still to be rendered
     std::shared_ptr<const ViewError> errors_;
     ViewMode mode_ = ViewMode::octree;
     bool errorsShown_ = false, referenceIsNew_ = false, photonsAreNew_ = false, errorsAreNew_ = false,

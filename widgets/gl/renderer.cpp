@@ -52,6 +52,9 @@ Result<Done> Renderer::linkPrograms()
         if (!made) return made.error();
         *mode = std::move(*made);
     }
+    Result<std::unique_ptr<ModeAtlas>> atlas = ModeAtlas::make(gl_, shaders);
+    if (!atlas) return atlas.error();
+    atlas_ = std::move(*atlas);
     Result<OverlayPass> overlay = OverlayPass::make(gl_, shaders);
     if (!overlay) return overlay.error();
     overlay_.emplace(std::move(*overlay));
@@ -68,6 +71,7 @@ Result<Done> Renderer::setScene(std::shared_ptr<const DrawData> data)
 {
     scene_.reset();
     (void)vdl_->setOctree(nullptr); // dropping cannot fail
+    (void)atlas_->setAtlas(nullptr);
     (void)colours_->setOctree(nullptr);
     if (!data) return Done{};
     float brightest = 0.0f;
@@ -81,6 +85,7 @@ Result<Done> Renderer::setScene(std::shared_ptr<const DrawData> data)
 Result<Done> Renderer::setOctree(const std::shared_ptr<const GpuOctree>& octree)
 {
     environments_->forget();
+    atlas_->lightChanged();
     return vdl_->setOctree(octree);
 }
 Result<Done> Renderer::setColours(const std::shared_ptr<const GpuOctree>& octree)
@@ -134,7 +139,8 @@ void Renderer::drawSurfaces(const GBuffer& buffers, const FrameView& frame, glm:
     glm::mat4 shifted(1.0f);
     shifted[3] = glm::vec4(2.0f * shift / glm::vec2(size), 0.0f, 1.0f);
     surfaceProgram_.use();
-    surfaceProgram_.set("viewProjection", shifted * frame.projection * frame.view);
+    viewProjection_ = shifted * frame.projection * frame.view;
+    surfaceProgram_.set("viewProjection", viewProjection_);
     scene_->draw(surfaceProgram_, true, emissionScale_, environments_->ofInstances(), without);
 }
 
@@ -189,7 +195,7 @@ void Renderer::drawLight(const GBuffer& buffers, const FrameView& frame, bool mi
         return;
     }
     PreviewMode* indirect = indirectOf(frame.mode);
-    const ModeFrame light{buffers, frame.eye, false, mirrors && indirect != nullptr};
+    const ModeFrame light{buffers, frame.eye, false, mirrors && indirect != nullptr, viewProjection_};
     const bool lamps = frame.mode == ViewMode::direct || !frame.indirectOnly;
     drawDirect(light, lamps ? shadows_.lightCount() : 0, lamps ? emissionScale_ : 0.0f);
     if (indirect == nullptr) return;
@@ -207,6 +213,9 @@ PreviewMode* Renderer::indirectOf(ViewMode mode)
     case ViewMode::octree:
     case ViewMode::photonMap:
         return vdl_.get();
+    case ViewMode::atlas:
+        if (!atlas_->isReady()) return vdl_.get();
+        return atlas_.get();
     case ViewMode::colours:
         return colours_.get();
     case ViewMode::direct:

@@ -2,6 +2,7 @@
 #pragma once
 #include "widgets/gl/environment_maps.h"
 #include "widgets/gl/mark_pass.h"
+#include "widgets/gl/mode_atlas.h"
 #include "widgets/gl/mode_vdl.h"
 #include "widgets/gl/overlay_pass.h"
 #include "widgets/gl/scene_buffers.h"
@@ -13,7 +14,8 @@ namespace lightloom {
 /// What the viewport shows of the scene.
 enum class ViewMode {
     octree,    ///< direct light of the lamps and indirect light of the bake
-    colours,   ///< the same with a colour octree: accumulated illuminance without directions
+    atlas,     ///< the same through a lightmap: each pixel reads one texel; the octree until there is one
+    colours,   ///< as octree, with a colour octree: accumulated illuminance without directions
     photonMap, ///< a picture that the processor renders from the photon map; the octree until there is one
     direct,    ///< direct light only
     plain,     ///< form without light: base colour times the cosine towards the camera
@@ -59,6 +61,11 @@ public:
     void finish() { gl_.glFinish(); } ///< waits for the GPU, to measure
     /// Undrawn shadow maps for about `budgetMs`. True when all are there.
     bool drawShadows(double budgetMs);
+    /// Null: none. Goes with the scene.
+    Result<Done> setAtlas(const std::shared_ptr<const AtlasDraw>& atlas) { return atlas_->setAtlas(atlas); }
+    /// The octree into the atlas, for about `budgetMs`. True when all of its light is there.
+    bool renderAtlas(double budgetMs) { return atlas_->render(*vdl_, budgetMs); }
+    [[nodiscard]] std::vector<glm::vec4> readAtlas() const { return atlas_->readBack(); } ///< for tests
     /// Faces of environment maps whose light is not what it was, for about `budgetMs`, once all shadow maps are there.
     /// True when all are as they should be.
     bool drawEnvironments(double budgetMs);
@@ -104,6 +111,8 @@ private:
     GlVertexArray empty_;
     std::optional<SceneBuffers> scene_;
     std::optional<GBuffer> buffers_;
+    std::unique_ptr<ModeAtlas> atlas_;
+    glm::mat4 viewProjection_{1.0f}; ///< of the surfaces drawn last
     float emissionScale_ = 1.0f;
 };
 

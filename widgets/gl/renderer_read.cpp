@@ -59,7 +59,7 @@ std::vector<glm::vec4> Renderer::illuminance(const FrameView& frame, bool indire
     gl_.glBindVertexArray(empty_.id());
     PreviewMode* mode = indirectOf(frame.mode);
     if (indirect && mode != nullptr) {
-        mode->draw({*buffers_, frame.eye, true, false});
+        mode->draw({*buffers_, frame.eye, true, false, viewProjection_});
     } else if (!indirect) {
         drawDirect({*buffers_, frame.eye, true, false}, shadows_.lightCount(), 0.0f);
     }
