@@ -174,6 +174,15 @@ private:
         scaleTo(glm::vec3(0.0f), n, behind);
         QCOMPARE(shade(behind, n), glm::vec3(0.0f));
         scaleTo(lux, n, {}); // no lamp, no crash
+        // grazing light must not flash on a surface that turns to it
+        const Frame frame(n);
+        for (const float cosine : {-0.05f, 0.0015f, 0.01f, 0.1f}) {
+            const glm::vec3 d = frame.toWorld({std::sqrt(1.0f - cosine * cosine), 0.0f, cosine});
+            std::vector<Vdl> grazing{{glm::vec3(1.5f), d}, {glm::vec3(0.0f), n}};
+            scaleTo(glm::vec3(3.0f), n, grazing);
+            QVERIFY(glm::length(shade(grazing, n) - glm::vec3(3.0f)) <= 1e-4f);
+            QVERIFY(shade(grazing, glm::normalize(n + 0.6f * d)).x <= 3.0f + 4.0f * 1.5f);
+        }
     }
 };
 

@@ -11,7 +11,7 @@ constexpr int kTexels = 1024; ///< a side
 
 Result<std::shared_ptr<const AtlasDraw>> unwrap(const RayScene& rays, const LightSampler& lights,
                                                 const std::stop_token& stop)
-{
+try {
     lowerPriority(kCompareNice);
     Workers workers;
     const FlushDenormals flush;
@@ -22,6 +22,8 @@ Result<std::shared_ptr<const AtlasDraw>> unwrap(const RayScene& rays, const Ligh
     const Result<std::shared_ptr<const Atlas>> atlas = makeAtlas(rays, *reach, options, workers, stop);
     if (!atlas) return atlas.error();
     return makeAtlasDraw(rays, **atlas);
+} catch (const std::bad_alloc&) {
+    return Error{Error::Kind::outOfMemory, "not enough memory to unwrap the scene"};
 }
 
 QString lineAbout(const AtlasReport& report)

@@ -46,8 +46,10 @@ void ExportWorker::start(ExportOrder order)
 void ExportWorker::cancel()
 {
     std::lock_guard lock(mutex_);
+    const bool isWaiting = order_.has_value(); // nobody took it yet, so nobody else tells
     order_.reset();
     running_.request_stop();
+    if (isWaiting) Q_EMIT finished({}, {}, {}, true);
 }
 
 void ExportWorker::work(const std::stop_token& quit)

@@ -3,6 +3,7 @@
 #include "app/cli/progress.h"
 #include "core/bake/export_bake.h"
 #include <chrono>
+#include <filesystem>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -38,10 +39,24 @@ Result<Done> checkUsage(const ExportCommand& command, const ExportRequest& reque
     return checkAtlasOptions(request.atlas);
 }
 
-Result<Done> checkPlaces(const ExportRequest& request)
+/// Whether both name one file, there already or not.
+bool isSame(const std::filesystem::path& a, const std::filesystem::path& b)
 {
+    std::error_code unknown;
+    return std::filesystem::equivalent(a, b, unknown) || std::filesystem::absolute(a, unknown).lexically_normal() ==
+                                                             std::filesystem::absolute(b, unknown).lexically_normal();
+}
+
+Result<Done> checkPlaces(const ExportCommand& command, const ExportRequest& request)
+{
+    std::vector<std::filesystem::path> taken{command.bakeFile, command.scene};
     for (const auto& path : {lightmapFile(request), request.gltf, request.volume}) {
         if (path.empty()) continue;
+        for (const auto& other : taken) {
+            if (!isSame(path, other)) continue;
+            return Error{Error::Kind::badInput, path.string() + ": is read or written already; name another file"};
+        }
+        taken.push_back(path);
         if (const Result<Done> fine = checkOutput(path.string()); !fine) return fine.error();
     }
     return Done{};
@@ -106,7 +121,9 @@ int exportBake(const Context& context, const ExportCommand& command)
 {
     const ExportRequest request = requestOf(command);
     if (const Result<Done> fine = checkUsage(command, request); !fine) return failUsage(fine.error());
-    if (const Result<Done> fine = checkPlaces(request); !fine) return failWriting(fine.error());
+    if (const Result<Done> fine = checkPlaces(command, request); !fine) {
+        return fine.error().kind == Error::Kind::badInput ? failUsage(fine.error()) : failWriting(fine.error());
+    }
     const Result<Done> fits =
         checkFits(atlasBytes(request.atlas), fmt::format("an atlas of up to {0} x {0} texels", request.atlas.size),
                   "make it smaller");
@@ -116,11 +133,14 @@ int exportBake(const Context& context, const ExportCommand& command)
     const Result<Lighting> lighting =
         prepareLighting(context, {command.scene, {}, command.bakeFile, command.options}, kReadShare);
     if (!lighting) return fail(lighting.error());
-    const BakeInfo info = bakeInfo(*lighting);
+    BakeInfo info = bakeInfo(*lighting);
+    info.params.octreeValues = OctreeValues::exact; // packed numbers are for pixels
+    const bool isPacked = lighting->params.octreeValues == OctreeValues::packed;
     if (const Result<Done> fine = checkExport(request, info.method); !fine) return fail(fine.error());
     const LitScene& lit = lighting->lit;
     const Result<ExportReport> report = lightloom::exportBake(
-        {*lit.rays, *lit.lights, lit.reach.get(), *lighting->field, info}, request, *context.workers, context.stop,
+        {*lit.rays, *lit.lights, lit.reach.get(), isPacked ? *lighting->field : *lighting->shown, info}, request,
+        *context.workers, context.stop,
         [&](double f) { context.report->progress("export", kReadShare + (1.0 - kReadShare) * f); });
     if (!report) return report.error().kind == Error::Kind::io ? failWriting(report.error()) : fail(report.error());
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - began;

@@ -61,6 +61,10 @@ Result<BakeInfo> checkInfo(const VdbFile& file, const Scene& scene)
     const Result<Method> method = methodNamed(file.text("lightloom.method"));
     if (!method) return method.error();
     info.method = *method;
+    if (format < 2) { // of before these could be chosen
+        info.params.gatherFit = GatherFit::mean;
+        info.params.gatherAdapt = Switch::off;
+    }
     for (const std::string& line : lines(file.text("lightloom.parameters"))) {
         Result<BakeParams> params = withAssignment(info.params, line);
         if (!params) return params.error();

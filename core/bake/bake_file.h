@@ -52,6 +52,6 @@ Result<Done> writeBake(const std::filesystem::path& path, const IndirectField& f
 [[nodiscard]] Result<BakeFile> readBake(const std::filesystem::path& path, const Scene& scene);
 [[nodiscard]] Result<BakeFile> bakeFromBytes(std::span<const std::uint8_t> file, const Scene& scene);
 
-inline constexpr int kBakeFormat = 1; ///< rises when older programs could misread a file
+inline constexpr int kBakeFormat = 2; ///< rises when older programs could misread a file
 
 } // namespace lightloom

@@ -205,16 +205,20 @@ Result<ExportReport> exportBake(const ExportSource& source, const ExportRequest&
 try {
     if (const Result<Done> fine = checkExport(request, source.info.method); !fine) return fine.error();
     Made made;
-    for (const Result<Done>& done : {makeLightmap(source, request, workers, stop, progress, made),
-                                     makeGltf(source, request, made), makeVolume(source, request, made)}) {
-        if (!done) return done.error();
-    }
+    if (const Result<Done> done = makeLightmap(source, request, workers, stop, progress, made); !done)
+        return done.error();
+    if (stop.stop_requested()) return stopped();
+    if (const Result<Done> done = makeGltf(source, request, made); !done) return done.error();
+    if (stop.stop_requested()) return stopped();
+    if (const Result<Done> done = makeVolume(source, request, made); !done) return done.error();
     if (stop.stop_requested()) return stopped();
     if (const Result<Done> written = writeAll(source, request, made); !written) return written.error();
     if (progress) progress(1.0);
     return std::move(made.report);
 } catch (const std::bad_alloc&) {
     return Error{Error::Kind::outOfMemory, "not enough memory for the export; ask for a smaller atlas"};
+} catch (const std::exception& failure) {
+    return Error{Error::Kind::io, fmt::format("the export failed: {}", failure.what())};
 }
 
 } // namespace lightloom

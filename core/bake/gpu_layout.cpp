@@ -96,7 +96,7 @@ void layOutBricks(const BrickBuilder& built, GpuOctree& gpu)
     }
 }
 
-/// What every entry holds under the mix, `gpu.vdlCount` each, black ones last.
+/// What every entry holds under the mix, `gpu.vdlCount` each.
 std::vector<Vdl> mixAll(const LightOctree& octree, const GpuOctree& gpu)
 {
     const auto count = static_cast<std::size_t>(gpu.vdlCount);
@@ -107,8 +107,7 @@ std::vector<Vdl> mixAll(const LightOctree& octree, const GpuOctree& gpu)
             all.push_back({octree.mixedColour(e), octree.geometry().entries[e].normal});
             continue;
         }
-        std::vector<Vdl> some = octree.mixed(e, gpu.vdlCount);
-        std::ranges::stable_partition(some, [](const Vdl& vdl) { return vdl.colour != glm::vec3(0.0f); });
+        const std::vector<Vdl> some = octree.mixed(e, gpu.vdlCount);
         all.insert(all.end(), some.begin(), some.end());
     }
     return all;
@@ -126,15 +125,19 @@ void packVdls(const LightOctree& octree, const std::vector<Vdl>& vdls, GpuOctree
 {
     gpu.colourScale = scaleFor(vdls);
     gpu.vdls.assign(4 * static_cast<std::size_t>(gpu.vdlWidth) * static_cast<std::size_t>(gpu.vdlHeight), 0);
+    std::size_t next = 0; // where the next light goes: an entry's black ones come last, black as halves
     for (std::size_t i = 0; i < vdls.size(); ++i) {
+        if (i % static_cast<std::size_t>(gpu.vdlCount) == 0) next = i;
         const std::uint16_t direction = gpu.hasDirections ? packDirection(vdls[i].toLight) : std::uint16_t(0);
         const glm::vec3 n = octree.geometry().entries[i / static_cast<std::size_t>(gpu.vdlCount)].normal;
         // the rounded direction meets the surface at another angle: keep what it gives on the entry's own normal
         const float was = glm::dot(vdls[i].toLight, n), is = glm::dot(unpackDirection(direction), n);
         const float keep = gpu.hasDirections && was > kLeastCosine && is > kLeastCosine ? was / is : 1.0f;
         const glm::vec3 colour = vdls[i].colour * (keep / gpu.colourScale);
-        for (int c = 0; c < 3; ++c) gpu.vdls[4 * i + static_cast<std::size_t>(c)] = imath_float_to_half(colour[c]);
-        gpu.vdls[4 * i + 3] = direction;
+        const std::array texel{imath_float_to_half(colour.x), imath_float_to_half(colour.y),
+                               imath_float_to_half(colour.z), direction};
+        if ((texel[0] | texel[1] | texel[2]) == 0) continue;
+        std::ranges::copy(texel, gpu.vdls.begin() + static_cast<std::ptrdiff_t>(4 * next++));
     }
 }
 

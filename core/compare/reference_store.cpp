@@ -11,7 +11,7 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Rises whenever the reference computes another number, or a file's form changes: older entries are then not found.
-constexpr std::uint32_t kVersion = 5;
+constexpr std::uint32_t kVersion = 6;
 constexpr std::string_view kMagic = "LLREF\n";
 
 /// Everything that all jobs of one question share. Two references with one key differ in how long they were traced.

@@ -116,8 +116,9 @@ float LightOctree::noiseOf(std::size_t entry) const
         if (!layer) continue;
         const glm::vec3 scalar = layer->scalar[entry];
         const float baked = luminance(scalar);
-        if (!(baked > 0.0f)) continue;
-        const float noise = layer->noise[entry] * luminance(gainOf(mix_, layer->group) * scalar) / baked;
+        const glm::vec3 gain = gainOf(mix_, layer->group); // moves light and noise alike
+        const float share = baked > 0.0f ? luminance(gain * scalar) / baked : luminance(gain);
+        const float noise = layer->noise[entry] * share;
         variance += noise * noise;
     }
     return std::sqrt(variance);
@@ -163,7 +164,13 @@ std::vector<Vdl> LightOctree::mixed(std::uint32_t e, int most) const
         return out;
     }
     ClusterScratch scratch;
-    fitVdls(lights, geometry_->entries[e].normal, form_, out, scratch);
+    const glm::vec3 n = geometry_->entries[e].normal;
+    fitVdls(lights, n, form_, out, scratch);
+    if (form_ == VdlForm::corrected) { // lights from behind the entry's plane take nothing away from it
+        glm::vec3 lux(0.0f);
+        for (const LightVector& light : lights) lux += light.colour * glm::max(0.0f, glm::dot(light.toLight, n));
+        scaleTo(lux, n, out);
+    }
     return out;
 }
 

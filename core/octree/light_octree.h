@@ -43,7 +43,7 @@ struct VdlLayer {
     int count = 1;
     std::vector<Vdl> vdls;
     std::vector<glm::vec3>
-        scalar;               ///< per entry: sum of flux / area, lux on the entry's own surface, without directions
+        scalar;               ///< per entry: the density estimate, lux on the entry's own surface, without directions
     std::vector<float> noise; ///< per entry: standard error of the luminance of `scalar`, from the gather's own photons
 };
 

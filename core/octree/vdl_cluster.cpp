@@ -176,18 +176,22 @@ void fitVdls(std::span<const LightVector> lights, glm::vec3 n, VdlForm form, std
 
 void scaleTo(glm::vec3 lux, glm::vec3 n, std::span<Vdl> vdls)
 {
+    if (vdls.empty()) return;
+    const auto onEntry = [n](const Vdl& vdl) { return vdl.colour * glm::max(0.0f, glm::dot(vdl.toLight, n)); };
     glm::vec3 sum(0.0f);
-    for (const Vdl& vdl : vdls) sum += vdl.colour * glm::max(0.0f, glm::dot(vdl.toLight, n));
+    for (const Vdl& vdl : vdls) sum += onEntry(vdl);
+    glm::vec3 missing(0.0f);
     for (int c = 0; c < 3; ++c) {
-        const float share = sum[c] > 0.0f ? lux[c] / sum[c] : 0.0f;
-        if (share > 0.0f && share < kMostScale) {
-            for (Vdl& vdl : vdls) vdl.colour[c] *= share;
-            continue;
-        }
-        // all light of the channel came from behind the entry's own plane: its directions say nothing
-        for (Vdl& vdl : vdls) vdl.colour[c] = 0.0f;
-        if (!vdls.empty()) vdls[0].colour[c] = lux[c] / glm::max(glm::dot(vdls[0].toLight, n), kLeastCosine);
+        const float share = sum[c] > 0.0f ? glm::min(lux[c] / sum[c], kMostScale) : 0.0f;
+        for (Vdl& vdl : vdls) vdl.colour[c] *= share;
+        missing[c] = glm::max(0.0f, lux[c] - share * sum[c]);
     }
+    if (glm::all(glm::lessThanEqual(missing, 1e-5f * lux))) return;
+    // light that grazes the entry, or comes from behind its plane, says little of where the rest is from: it comes
+    // along the normal, as one of the lights, or in place of the weakest
+    const auto weaker = [&](const Vdl& a, const Vdl& b) { return luminance(onEntry(a)) < luminance(onEntry(b)); };
+    Vdl& spare = *std::ranges::min_element(vdls, weaker);
+    spare = {onEntry(spare) + missing, n};
 }
 
 } // namespace lightloom

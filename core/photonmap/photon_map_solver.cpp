@@ -46,7 +46,7 @@ std::optional<float> PhotonMapField::noise(glm::vec3 p, glm::vec3 n) const
     double variance = 0.0;
     const bool known = ask(p, n, [&](glm::vec3 gain, glm::vec3 lux, float noise) {
         const float baked = luminance(lux); // the lamp's tint moves light and noise alike
-        const auto one = static_cast<double>(baked > 0.0f ? noise * luminance(gain * lux) / baked : 0.0f);
+        const auto one = static_cast<double>(noise * (baked > 0.0f ? luminance(gain * lux) / baked : luminance(gain)));
         variance += one * one;
     });
     if (!known) return {};

@@ -26,7 +26,7 @@ namespace lightloom {
 /// wooden floor (textures), mirrors (a golden ring, a steel ball) and brushed frames.
 [[nodiscard]] Scene gallery();
 
-/// A table of 1.2 m before a wall, a lamp of 10 x 10 cm above: a brass ring that throws a cardioid of light inside, and
+/// A table of 1.2 m before a wall, a lamp of 16 x 16 cm above: a brass ring that throws a cardioid of light inside, and
 /// a ball of faintly green glass (index 1.5) that throws a focus beside it. Open to black.
 [[nodiscard]] Scene causticRing();
 

@@ -10,7 +10,6 @@ namespace lightloom {
 namespace {
 
 constexpr std::uint64_t kStream = hashName("caustic photons"), kBlock = 4096;
-constexpr float kClearChance = 0.9f;  ///< of going on, at most, at mirrors and glass after kClearBounces
 constexpr double kShrink = 2.0 / 3.0; ///< alpha of Knaus and Zwicker: noise and bias fall alike
 
 /// One photon of the light that paths leave out.

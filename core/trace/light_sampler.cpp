@@ -15,6 +15,8 @@ namespace {
 constexpr double kPiD = std::numbers::pi;
 /// Share of a group's photons dealt out evenly over its emitters, the rest by flux: the floor for dim lamps.
 constexpr double kEvenShare = 0.1;
+/// Suns whose photons are aimed, the strongest: aiming takes some 10 ms each, and it cannot be stopped.
+constexpr std::size_t kMostAims = 4;
 /// Texture lookups spent on the mean of one emitter: about .1 s.
 constexpr double kMostLookups = 4e6;
 /// Below this cosine a patch counts as seen edge-on: nothing comes from it and no density stays finite.
@@ -87,12 +89,13 @@ struct LightSampler::State {
     void addPunctual(int index);
     void addSurface(int index);
     void add(const Emitter& emitter, glm::dvec3 lumen);
+    void aim();
     void deal();
     [[nodiscard]] const PunctualLight& light(const Emitter& e) const
     {
         return rays->scene().lights[static_cast<std::size_t>(e.light)];
     }
-    void emitDirectional(const SunAim& aim, const Emitter& e, Rng& rng, EmittedPhoton& out) const;
+    void emitDirectional(const std::optional<SunAim>& aim, const Emitter& e, Rng& rng, EmittedPhoton& out) const;
     void emitPunctual(const Emitter& e, const SpotCone& cone, Rng& rng, EmittedPhoton& out) const;
     void emitSurface(const Shape& shape, Rng& rng, EmittedPhoton& out) const;
     bool samplePunctual(const Emitter& e, const SpotCone& cone, glm::vec3 p, LightSample& out) const;
@@ -131,7 +134,6 @@ void LightSampler::State::addPunctual(int index)
     }
     add(e, glm::dvec3(l.intensity) * solidAngle);
     cones.back() = cone;
-    if (e.kind == Emitter::Kind::directional) aims.back().emplace(*rays, l.travel, centre, radius);
 }
 
 void LightSampler::State::addSurface(int index)
@@ -173,6 +175,17 @@ void LightSampler::State::addSurface(int index)
     shapes.back() = std::move(shape);
 }
 
+void LightSampler::State::aim()
+{
+    std::vector<std::size_t> suns;
+    for (std::size_t e = 0; e < emitters.size(); ++e) {
+        if (emitters[e].kind == Emitter::Kind::directional && luminous(flux[e]) > 0.0) suns.push_back(e);
+    }
+    std::ranges::stable_sort(suns, [&](std::size_t a, std::size_t b) { return luminous(flux[a]) > luminous(flux[b]); });
+    suns.resize(std::min(suns.size(), kMostAims));
+    for (const std::size_t e : suns) aims[e].emplace(*rays, light(emitters[e]).travel, centre, radius);
+}
+
 void LightSampler::State::deal()
 {
     for (Dealer& group : groups) {
@@ -197,10 +210,17 @@ void LightSampler::State::deal()
     }
 }
 
-void LightSampler::State::emitDirectional(const SunAim& aim, const Emitter& e, Rng& rng, EmittedPhoton& out) const
+void LightSampler::State::emitDirectional(const std::optional<SunAim>& aim, const Emitter& e, Rng& rng,
+                                          EmittedPhoton& out) const
 {
     float weight = 1.0f;
-    out.position = aim.pick(rng, weight);
+    if (aim) {
+        out.position = aim->pick(rng, weight);
+    } else {
+        const float u1 = rng.uniform(), u2 = rng.uniform();
+        const glm::vec2 d = radius * sampleDisc(u1, u2);
+        out.position = centre + Frame(light(e).travel).toWorld({d.x, d.y, -2.0f * radius});
+    }
     out.travel = light(e).travel;
     out.side = glm::vec3(0.0f);
     out.flux = e.flux * weight;
@@ -285,6 +305,7 @@ LightSampler::LightSampler(std::shared_ptr<const RayScene> rays) : state_(std::m
     for (std::size_t i = 0; i < scene.instances.size(); ++i) {
         if (scene.instances[i].group >= 0) s.addSurface(static_cast<int>(i));
     }
+    s.aim();
     s.deal();
 }
 LightSampler::~LightSampler() = default;
@@ -316,8 +337,8 @@ bool LightSampler::emitFrom(int emitter, Rng& rng, EmittedPhoton& photon) const
     const Emitter& what = state_->emitters[e];
     if (what.kind == Emitter::Kind::surface)
         state_->emitSurface(state_->shapes[e], rng, photon);
-    else if (state_->aims[e])
-        state_->emitDirectional(*state_->aims[e], what, rng, photon);
+    else if (what.kind == Emitter::Kind::directional)
+        state_->emitDirectional(state_->aims[e], what, rng, photon);
     else
         state_->emitPunctual(what, state_->cones[e], rng, photon);
     return maxChannel(photon.flux) > 0.0f;

@@ -7,8 +7,7 @@
 namespace lightloom {
 namespace {
 
-constexpr int kSureBounces = 3;      ///< roulette from the next one on
-constexpr float kClearChance = 0.9f; ///< at most, for mirrors and glass after kClearBounces
+constexpr int kSureBounces = 3; ///< roulette from the next one on
 constexpr float kFar = std::numeric_limits<float>::infinity();
 
 } // namespace
