@@ -393,6 +393,7 @@ int main(int argc, char** argv)
         cli::logLine(LogLevel::error, "there is not enough memory; lower photons, octree.depth or the picture's size");
         return cli::kWouldNotFit;
     } catch (const std::exception& e) {
+        if (std::ferror(stdout)) return flushed(cli::kDone); // long output fails before its end
         cli::logLine(LogLevel::error, std::string("unexpected: ") + e.what());
         return cli::kFailed;
     }

@@ -120,11 +120,14 @@ public:
     /// `spread`: the integral over the kernel of the squared weight, 1/m2.
     [[nodiscard]] bool holds(double value, double noise, double spread)
     {
+        std::size_t against = 0;
         for (std::size_t i = 0; i < size_; ++i) {
             const double apart = value - values_[i];
             const double variance = noise * noise * std::max(spreads_[i] / spread - 1.0, kLeastShare);
-            if (apart * apart > kDoubt * kDoubt * variance) return false;
+            if (apart * apart > kDoubt * kDoubt * variance) ++against;
         }
+        // two, where there are as many: the smallest kernel alone may be a chance cluster of photons
+        if (size_ > 0 && against >= std::min<std::size_t>(size_, 2)) return false;
         values_[size_] = value, spreads_[size_] = spread;
         ++size_;
         return true;

@@ -37,8 +37,8 @@ struct Density {
 /// under the kernel (METHODS section 2); with fewer than K photons within the cap, E = sum Phi / A(cap). Plane: the
 /// value at `p` of the linear density whose integrals of 1 and x over that surface are those of the photons (local
 /// linear estimation: Lejeune and Sarda 1992; exact moments from SurfaceArea), so that neither the end of a wall nor a
-/// gradient shifts it. Adaptive: kernels of 32, 64, 128 ... K photons from the smallest up, until one contradicts a
-/// smaller one by more than their noise allows (Lepski 1991); `gathered` keeps the photons and the radius of the last
+/// gradient shifts it. Adaptive: kernels of 32, 64, 128 ... K photons from the smallest up, until one contradicts two
+/// smaller ones by more than their noise allows (Lepski 1991); `gathered` keeps the photons and the radius of the last
 /// that did not.
 [[nodiscard]] Density estimateDensity(const PhotonMap& map, const SurfaceArea& area, const DensityKernel& kernel,
                                       glm::vec3 p, glm::vec3 n, Gathered& gathered);

@@ -23,14 +23,32 @@ glm::vec2 inCell(std::uint32_t cell, float u1, float u2)
             (static_cast<float>(cell % kSide) + u2) / static_cast<float>(kSide)};
 }
 
+/// Over a cell and its eight neighbours: where little is passed on, the few rays of one cell may all miss it, and the
+/// photons that are shot there all the same would be as heavy as twenty others.
+double meanAround(const std::vector<double>& of, std::uint32_t cell)
+{
+    const std::uint32_t ring = cell / kSide, sector = cell % kSide;
+    double sum = 0.0;
+    int count = 0;
+    for (std::uint32_t r = ring > 0 ? ring - 1 : 0; r <= std::min(ring + 1, kSide - 1); ++r) {
+        for (const std::uint32_t s : {sector + kSide - 1, sector, sector + 1}) {
+            sum += of[r * kSide + s % kSide];
+            ++count;
+        }
+    }
+    return sum / count;
+}
+
 } // namespace
 
 SunAim::SunAim(const RayScene& rays, glm::vec3 travel, glm::vec3 centre, float radius)
     : travel_(travel), centre_(centre), radius_(radius)
 {
     sums_.resize(kCells);
+    std::vector<double> passed(kCells);
+    for (std::uint32_t cell = 0; cell < kCells; ++cell) passed[cell] = passedOn(rays, cell);
     double all = 0.0;
-    for (std::uint32_t cell = 0; cell < kCells; ++cell) sums_[cell] = all += std::sqrt(passedOn(rays, cell));
+    for (std::uint32_t cell = 0; cell < kCells; ++cell) sums_[cell] = all += std::sqrt(meanAround(passed, cell));
     for (std::uint32_t cell = 0; cell < kCells; ++cell) {
         const double even = static_cast<double>(cell + 1) / kCells;
         sums_[cell] = all > 0.0 ? (1.0 - kEven) * sums_[cell] / all + kEven * even : even;
