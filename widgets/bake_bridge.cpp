@@ -15,10 +15,10 @@ constexpr std::uint64_t kNoisePoints = 1000; ///< as many as the command line as
 std::shared_ptr<const std::vector<SurfacePoint>> noisePointsOf(const SceneProducts& scene, BakeProducts& products)
 {
     using Points = std::vector<SurfacePoint>;
-    if (auto kept = products.find<Points>(scene.key)) return kept;
+    if (auto kept = products.find<Points>(scene.sceneKey)) return kept;
     auto points =
         std::make_shared<const Points>(samplePoints(*scene.rays, *scene.lights, *scene.reach, kNoisePoints, 1));
-    products.keep(scene.key, points);
+    products.keep(scene.sceneKey, points);
     return points;
 }
 

@@ -23,7 +23,7 @@ int points(const Context& context, const std::string& scene, std::uint64_t count
     const auto reach = LightReach::find(*lit->rays, *lit->lights, *context.workers, context.stop);
     if (!reach) return fail({Error::Kind::cancelled, "interrupted; no points were written"});
 
-    const std::vector<ProbeRow> rows = probeRows({lit->rays, lit->lights, reach, {}}, count, seed);
+    const std::vector<ProbeRow> rows = probeRows({lit->rays, lit->lights, reach, {}, {}, {}}, count, seed);
     if (rows.size() < count) {
         return fail({Error::Kind::badInput, fmt::format("{}: no surface has an area that light can reach", scene)});
     }

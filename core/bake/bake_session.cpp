@@ -85,6 +85,7 @@ void BakeSession::work(std::stop_token quit)
             }
         }();
 
+        if (outcome) products_.endRound();
         lock.lock();
         control_ = nullptr;
         counters_ = products_.counters;

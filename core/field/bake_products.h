@@ -24,9 +24,10 @@ struct WorkCounters {
 };
 
 /// What earlier bakes left, so that nothing is computed twice: photon paths, trees, geometry, layers, each under a key
-/// that names all it depends on (scene hash, light group, stage's parameters). Owned by the session; one bake at a time
-/// works on it. Keeps what the newest bakes used and drops the rest. A product remembers what it cost: the first `find`
-/// in a round adds that to the counters as kept.
+/// that names all it depends on (surface, lamp, reach, stage's parameters). Owned by the session; one bake at a time
+/// works on it. Keeps what the newest bakes used and drops the rest; a bake that was cut short, as most are while a
+/// lamp is dragged, drops nothing that the last whole ones used. A product remembers what it cost: the first `find` in
+/// a round adds that to the counters as kept.
 class BakeProducts {
 public:
     template<class T>
@@ -44,7 +45,7 @@ public:
     void keep(const std::string& key, std::shared_ptr<const T> value)
     {
         std::lock_guard lock(mutex_);
-        kept_[{typeid(T), key}] = {std::move(value), round_, {}};
+        kept_[{typeid(T), key}] = {std::move(value), round_, 0, {}};
     }
     /// The same for a product whose making was measured; adds `cost` to the counters.
     template<class T>
@@ -53,11 +54,15 @@ public:
         std::lock_guard lock(mutex_);
         addCost(counters.stages, cost);
         cost.isKept = true;
-        kept_[{typeid(T), key}] = {std::move(value), round_, std::move(cost)};
+        kept_[{typeid(T), key}] = {std::move(value), round_, 0, std::move(cost)};
     }
-    /// Call at the start of a bake: products that neither this nor the `rounds` before it use are dropped.
+    /// Call at the start of a bake: products that neither this, nor the `rounds` before it, nor the last `rounds` whole
+    /// ones use are dropped.
     void beginRound(int rounds = 2);
+    /// Call where a bake came to its end: what it used outlasts bakes that do not.
+    void endRound();
     void clear();
+    [[nodiscard]] std::size_t count(); ///< of products that are kept
 
     WorkCounters counters; ///< of the bake that ran last
 
@@ -65,20 +70,26 @@ private:
     struct Kept {
         std::shared_ptr<const void> value;
         std::uint64_t lastUse = 0;
-        std::optional<StageCost> cost; ///< marked as kept
+        std::uint64_t lastWholeUse = 0; ///< by a bake that came to its end, counted among those; 0: none
+        std::optional<StageCost> cost;  ///< marked as kept
     };
     std::mutex mutex_;
     std::map<std::pair<std::type_index, std::string>, Kept> kept_;
-    std::uint64_t round_ = 0;
+    std::uint64_t round_ = 0, wholeRounds_ = 0;
 };
 
-/// Ray scene, lights and reach of the job's scene, from `products` or built now. The key of a product that depends on
-/// the scene starts with `key`.
+/// Ray scene, lights and reach of the job's scene, from `products` or built now, and what keys of products that depend
+/// on them start with. No key holds more of the scene than its product depends on.
 struct SceneProducts {
     std::shared_ptr<const RayScene> rays;
     std::shared_ptr<const LightSampler> lights;
     std::shared_ptr<const LightReach> reach;
-    std::string key;
+    std::string sceneKey;              ///< surface and all lamps
+    std::vector<std::string> lampKeys; ///< surface and one light group's lamps: photons
+    std::string reachKey;              ///< the surface that is reached, whatever lamps reach it: areas, leaves
+    [[nodiscard]] const std::string& lampKey(std::size_t group) const { return lampKeys[group]; }
+    /// Reach and one light group: layers.
+    [[nodiscard]] std::string layerKey(std::size_t group) const { return reachKey + lampKeys[group]; }
 };
 
 } // namespace lightloom

@@ -12,11 +12,21 @@ namespace {
 
 constexpr double kPhotonShare = 0.4; ///< of a bake's time; the rest goes by the number of cells of each depth
 
+std::string layerKey(const BakeJob& job, const SceneProducts& scene, std::size_t group, int depth)
+{
+    BakeParams atDepth = job.params; // a layer of one depth does not depend on what other depths are shown
+    atDepth.octreeDepth = atDepth.octreeFirstDepth = depth;
+    return scene.layerKey(group) + stageKey(atDepth, Stage::fit, Method::lightOctree);
+}
+
 class OctreeBake {
 public:
+    using Layers = std::vector<std::shared_ptr<const VdlLayer>>;
+    /// `finished`: layers of the first depth, by light group, for a rough picture. Given at all: the picture is rough.
     OctreeBake(const BakeJob& job, BakeProducts& products, BakeControl& control, const PhotonProducts& photons,
-               bool isRough = false)
-        : job_(job), products_(products), control_(control), photons_(photons), isRough_(isRough)
+               std::optional<Layers> finished = {})
+        : job_(job), products_(products), control_(control), photons_(photons), isRough_(finished.has_value()),
+          finished_(std::move(finished).value_or(Layers(photons.maps.size())))
     {
         for (int d = job.params.octreeFirstDepth; d <= job.params.octreeDepth; ++d) allCells_ += cellsOf(d);
     }
@@ -27,7 +37,7 @@ public:
         if (!geometry) return cancelled();
         products_.counters.leaves = geometry->cells.size();
         products_.counters.entries = geometry->entries.size();
-        std::vector<std::shared_ptr<const VdlLayer>> layers(photons_.maps.size());
+        Layers layers = finished_;
         for (std::size_t g = 0; g < layers.size(); ++g) {
             if (!photons_.maps[g]) continue;
             layers[g] = layerOf(*geometry, g);
@@ -46,10 +56,7 @@ private:
 
     std::shared_ptr<const VdlLayer> layerOf(const OctreeGeometry& geometry, std::size_t g)
     {
-        BakeParams atDepth = job_.params; // a layer of one depth does not depend on what other depths are shown
-        atDepth.octreeDepth = atDepth.octreeFirstDepth = geometry.depth;
-        const std::string key =
-            photons_.scene.key + job_.scene->groups[g].id + "\n" + stageKey(atDepth, Stage::fit, Method::lightOctree);
+        const std::string key = layerKey(job_, photons_.scene, g, geometry.depth);
         if (auto kept = products_.find<VdlLayer>(key)) return kept;
         const StageClock clock(fmt::format("gather d{}", geometry.depth), control_);
         const auto layer = emptyLayer(geometry, static_cast<int>(g), job_.params);
@@ -85,25 +92,37 @@ private:
     BakeProducts& products_;
     BakeControl& control_;
     const PhotonProducts& photons_;
-    bool isRough_; // a picture before the bake proper: never final, and no part of its progress
+    bool isRough_;    // a picture before the bake proper: never final, and no part of its progress
+    Layers finished_; // of groups whose layer is not made here
     double allCells_ = 0.0, told_ = 0.0;
 };
 
-} // namespace
-
-namespace {
-
-/// The first depth from a sixteenth of the photons, for whoever waits for a picture. The bake proper does not depend on
-/// it; the photons are the first of the same streams.
+/// The first depth from a sixteenth of the photons, for whoever waits for a picture; lamps whose layer is there from an
+/// earlier bake keep it. The bake proper does not depend on it; the photons are the first of the same streams.
 Result<Done> showRough(const BakeJob& job, BakeProducts& products, BakeControl& control)
 {
     BakeJob rough = job;
     rough.params.photonCount = std::max(10'000, job.params.photonCount / 16);
     rough.params.gatherCount = std::max(20, job.params.gatherCount / 4);      // as wide a kernel within a factor of two
     if (rough.params.photonCount > job.params.photonCount / 4) return Done{}; // the bake proper is as quick
+    const Result<SceneProducts> scene = sceneProducts(job, products, control);
+    if (!scene) return scene.error();
+    std::size_t missing = 0;
+    OctreeBake::Layers finished(job.scene->groups.size());
+    for (std::size_t g = 0; g < finished.size(); ++g) {
+        if (isOff(job.mix, static_cast<int>(g))) continue;
+        finished[g] = products.find<VdlLayer>(layerKey(job, *scene, g, job.params.octreeFirstDepth));
+        missing += finished[g] ? 0 : 1;
+        if (!finished[g]) continue;
+        rough.mix.resize(finished.size(), glm::vec3(1.0f));
+        rough.mix[g] = glm::vec3(0.0f); // nothing to shoot
+    }
+    if (missing == 0) return Done{};
     const Result<PhotonProducts> photons = photonProducts(rough, products, control, 0.02);
     if (!photons) return photons.error();
-    const Result<Done> shown = OctreeBake(rough, products, control, *photons, true).depth(job.params.octreeFirstDepth);
+    rough.mix = job.mix;
+    const Result<Done> shown =
+        OctreeBake(rough, products, control, *photons, std::move(finished)).depth(job.params.octreeFirstDepth);
     // what was traced for it counts as work; what it holds is not part of the result
     WorkCounters& counters = products.counters;
     WorkCounters work;
@@ -118,7 +137,7 @@ Result<Done> showRough(const BakeJob& job, BakeProducts& products, BakeControl& 
 std::shared_ptr<const OctreeGeometry> octreeGeometry(const BakeJob& job, const SceneProducts& at, int depth,
                                                      BakeProducts& products, BakeControl& control)
 {
-    const std::string key = fmt::format("{}d{} shift{}", at.key, depth, job.params.gridShift);
+    const std::string key = fmt::format("{}d{} shift{}", at.reachKey, depth, job.params.gridShift);
     auto geometry = products.find<OctreeGeometry>(key);
     if (geometry) return geometry;
     const StageClock clock(fmt::format("octree d{}", depth), control);

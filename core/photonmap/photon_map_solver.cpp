@@ -122,16 +122,15 @@ namespace {
 constexpr double kShootShare = 0.7; ///< of a bake with caches
 
 /// The field with a cache for every lamp that is on, from `products` or filled now. Null: stopped.
-std::shared_ptr<const PhotonMapField> cached(const PhotonMapField& field, const BakeJob& job, const std::string& scene,
-                                             BakeProducts& products, BakeControl& control)
+std::shared_ptr<const PhotonMapField> cached(const PhotonMapField& field, const BakeJob& job,
+                                             const SceneProducts& scene, BakeProducts& products, BakeControl& control)
 {
     std::vector<PhotonMapField::Layer> layers = field.layers();
     const auto each = (1.0 - kShootShare) / static_cast<double>(std::max<std::size_t>(layers.size(), 1));
     for (std::size_t g = 0; g < layers.size(); ++g) {
         PhotonMapField::Layer& layer = layers[g];
         if (!layer.map) continue;
-        const std::string key =
-            scene + job.scene->groups[g].id + "\n" + stageKey(job.params, Stage::fit, Method::photonMap);
+        const std::string key = scene.layerKey(g) + stageKey(job.params, Stage::fit, Method::photonMap);
         layer.cache = products.find<ChristensenCache>(key);
         if (layer.cache) continue;
         const StageClock clock("gather cache", control);
@@ -153,7 +152,7 @@ Result<Done> PhotonMapSolver::bake(const BakeJob& job, BakeProducts& products, B
     const Result<PhotonProducts> photons = photonProducts(job, products, control, isCached ? kShootShare : 1.0);
     if (!photons) return photons.error();
     auto field = photonMapField(job.params, job.scene->bounds, photons->area, photons->maps, job.mix);
-    if (isCached) field = cached(*field, job, photons->scene.key, products, control);
+    if (isCached) field = cached(*field, job, photons->scene, products, control);
     if (!field) return cancelled();
     control.progress(Stage::fit, 1.0);
     control.publish(std::move(field), 0, true);

@@ -2,36 +2,120 @@
 #include "core/photonmap/photon_products.h"
 #include "core/base/memory_use.h"
 #include "core/params/param_text.h"
+#include "core/trace/light_spaces.h"
 #include <fmt/format.h>
 
 namespace lightloom {
 
-Result<SceneProducts> sceneProducts(const BakeJob& job, BakeProducts& products, BakeControl& control)
+namespace {
+
+/// The surface of the scene that was baked last: edits of it need no look at meshes and images.
+struct KnownSurface {
+    std::shared_ptr<const Scene> scene;
+    std::string key;
+};
+
+std::string surfaceKey(const BakeJob& job, BakeProducts& products)
 {
-    SceneProducts result;
-    const Sha256::Digest hash = sceneHash(*job.scene);
-    result.key = fmt::format("{}/{}/", toHex(hash), kIsaNames[static_cast<std::size_t>(job.isa)]);
-    result.rays = products.find<RayScene>(result.key);
-    if (!result.rays) {
+    const auto known = products.find<KnownSurface>("");
+    std::string key;
+    if (known && isSameSurface(*known->scene, *job.scene))
+        key = known->key;
+    else
+        key = toHex(surfaceHash(*job.scene));
+    if (!known || known->scene != job.scene)
+        products.keep<KnownSurface>("", std::make_shared<KnownSurface>(KnownSurface{job.scene, key}));
+    return fmt::format("{}/{}/", key, kIsaNames[static_cast<std::size_t>(job.isa)]);
+}
+
+void nameLamps(const Scene& scene, const std::string& surface, SceneProducts& result)
+{
+    Sha256 all;
+    for (int g = 0; g < static_cast<int>(scene.groups.size()); ++g) {
+        const std::string lamp = toHex(lampHash(scene, g));
+        all.add(lamp);
+        result.lampKeys.push_back(fmt::format("{}lamp {}/", surface, lamp));
+    }
+    result.sceneKey = fmt::format("{}lamps {}/", surface, toHex(all.finish()));
+}
+
+Result<Done> raysAndLights(const BakeJob& job, const std::string& surface, BakeProducts& products, BakeControl& control,
+                           SceneProducts& result)
+{
+    auto rays = products.find<RayScene>(surface);
+    if (!rays) {
         const StageClock clock("rays", control, CpuClock::process);
         Result<std::shared_ptr<const RayScene>> built = RayScene::build(job.scene, job.isa, control.stop());
         if (!built) return built.error();
-        result.rays = *built;
-        products.keep(result.key, result.rays, clock.stop());
+        rays = *built;
+        products.keep(surface, rays, clock.stop());
     }
-    result.lights = products.find<LightSampler>(result.key);
+    result.lights = products.find<LightSampler>(result.sceneKey);
     if (!result.lights) {
         const StageClock clock("lamps", control);
-        result.lights = std::make_shared<LightSampler>(result.rays);
-        products.keep(result.key, result.lights, clock.stop());
+        const auto newest = products.find<LightSampler>(surface);
+        if (rays->sharedScene() != job.scene) rays = rays->withScene(job.scene);
+        result.lights = std::make_shared<LightSampler>(rays, newest.get());
+        products.keep(result.sceneKey, result.lights, clock.stop());
+        products.keep(surface, result.lights);
     }
-    result.reach = products.find<LightReach>(result.key);
-    if (!result.reach) {
+    result.rays = result.lights->rays();
+    return Done{};
+}
+
+/// By element, what the scene's lamps reach: each of them is asked once, wherever others move. Empty: stopped.
+std::vector<std::uint8_t> reachedElements(const Scene& scene, const LightSpaces& spaces, const SceneProducts& known,
+                                          BakeProducts& products, BakeControl& control)
+{
+    std::vector<std::shared_ptr<const GroupReach>> groups;
+    for (int g = 0; g < static_cast<int>(scene.groups.size()); ++g) {
+        const std::string& key = known.lampKey(static_cast<std::size_t>(g));
+        auto group = products.find<GroupReach>(key);
+        if (!group) {
+            const StageClock clock("reach", control);
+            group = spaces.ofGroup(scene, *known.lights, g, control.workers(), control.stop());
+            if (!group) return {};
+            products.keep(key, group, clock.stop());
+        }
+        groups.push_back(group);
+    }
+    if (groups.empty()) return LightReach::everything(spaces.elements());
+    return spaces.united(groups, control.workers(), control.stop());
+}
+
+bool findReach(const BakeJob& job, const std::string& surface, BakeProducts& products, BakeControl& control,
+               SceneProducts& result)
+{
+    auto spaces = products.find<LightSpaces>(surface);
+    if (!spaces) {
         const StageClock clock("reach", control);
-        result.reach = LightReach::find(*result.rays, *result.lights, control.workers(), control.stop());
-        if (!result.reach) return cancelled();
-        products.keep(result.key, result.reach, clock.stop());
+        spaces = LightSpaces::build(result.rays, control.workers(), control.stop());
+        if (!spaces) return false;
+        products.keep(surface, spaces, clock.stop());
     }
+    const std::vector<std::uint8_t> isReached = reachedElements(*job.scene, *spaces, result, products, control);
+    if (control.isStopped()) return false;
+    Sha256 content;
+    content.add(isReached);
+    result.reachKey = fmt::format("{}reach {}/", surface, toHex(content.finish()));
+    result.reach = products.find<LightReach>(result.reachKey);
+    if (result.reach) return true;
+    const StageClock clock("reach", control);
+    result.reach = LightReach::of(spaces->elements(), isReached, control.stop());
+    if (!result.reach) return false;
+    products.keep(result.reachKey, result.reach, clock.stop());
+    return true;
+}
+
+} // namespace
+
+Result<SceneProducts> sceneProducts(const BakeJob& job, BakeProducts& products, BakeControl& control)
+{
+    SceneProducts result;
+    const std::string surface = surfaceKey(job, products);
+    nameLamps(*job.scene, surface, result);
+    if (const Result<Done> made = raysAndLights(job, surface, products, control, result); !made) return made.error();
+    if (!findReach(job, surface, products, control, result)) return cancelled();
     return result;
 }
 
@@ -53,8 +137,7 @@ namespace {
 
 std::string photonKey(const BakeJob& job, const SceneProducts& scene, int group)
 {
-    return scene.key + job.scene->groups[static_cast<std::size_t>(group)].id + "\n" +
-           stageKey(job.params, Stage::shoot, Method::photonMap);
+    return scene.lampKey(static_cast<std::size_t>(group)) + stageKey(job.params, Stage::shoot, Method::photonMap);
 }
 
 std::shared_ptr<const PhotonPaths> paths(const BakeJob& job, const SceneProducts& scene, int group,
@@ -87,7 +170,7 @@ std::shared_ptr<const PhotonPaths> paths(const BakeJob& job, const SceneProducts
 
 std::optional<PhotonProducts> keptPhotons(const BakeJob& job, const SceneProducts& scene, BakeProducts& products)
 {
-    PhotonProducts result{scene, products.find<SurfaceArea>(scene.key), {}};
+    PhotonProducts result{scene, products.find<SurfaceArea>(scene.reachKey), {}};
     if (!result.area) return std::nullopt;
     for (int g = 0; g < static_cast<int>(job.scene->groups.size()); ++g) {
         result.maps.push_back(isOff(job.mix, g) ? nullptr : products.find<PhotonMap>(photonKey(job, scene, g)));
@@ -108,12 +191,12 @@ Result<PhotonProducts> photonProducts(const BakeJob& job, BakeProducts& products
     Result<SceneProducts> scene = sceneProducts(job, products, control);
     if (!scene) return scene.error();
     result.scene = std::move(*scene);
-    result.area = products.find<SurfaceArea>(result.scene.key);
+    result.area = products.find<SurfaceArea>(result.scene.reachKey);
     if (!result.area) {
         const StageClock clock("area", control);
         result.area = SurfaceArea::build(*result.scene.reach, control.stop());
         if (!result.area) return cancelled();
-        products.keep(result.scene.key, result.area, clock.stop());
+        products.keep(result.scene.reachKey, result.area, clock.stop());
     }
 
     WorkCounters& counters = products.counters;

@@ -13,14 +13,16 @@ struct PhotonProducts {
     std::vector<std::shared_ptr<const PhotonMap>> maps; ///< by light group; null: the lamp is off
 };
 
-/// Ray scene, lamps and reach of the job's scene.
+/// Ray scene, lamps and reach of the job's scene. Where an edit moved a lamp, triangles and spaces are the earlier ones
+/// and only that lamp is looked at anew.
 [[nodiscard]] Result<SceneProducts> sceneProducts(const BakeJob& job, BakeProducts& products, BakeControl& control);
 
 /// Error out of memory if the job's photons would not fit into this machine, with the figure.
 [[nodiscard]] Result<Done> checkPhotonsFit(const BakeJob& job);
 
-/// The above, and photons with their trees for each lamp that is on. Shot once per (scene, group, seed, count),
-/// whatever method asks. Tells progress from 0 to `share` of the bake. Error out of memory is given before shooting.
+/// The above, and photons with their trees for each lamp that is on. Shot once per (surface, lamps of the
+/// group, seed, count), whatever method asks and wherever other lamps are. Tells progress from 0 to `share` of the
+/// bake. Error out of memory is given before shooting.
 [[nodiscard]] Result<PhotonProducts> photonProducts(const BakeJob& job, BakeProducts& products, BakeControl& control,
                                                     double share);
 

@@ -108,45 +108,4 @@ void finishScene(Scene& scene, const std::vector<std::string>& groupNames)
     scene.bounds = boundsOf(scene);
 }
 
-namespace {
-void addTexture(Sha256& sum, const Texture& t)
-{
-    sum.add(t.image).add(t.uvSet).add(t.wrapS).add(t.wrapT).add(t.smooth ? 1 : 0);
-    sum.add(t.offset.x).add(t.offset.y).add(t.scale.x).add(t.scale.y).add(t.rotation);
-}
-void addVec3(Sha256& sum, glm::vec3 v) { sum.add(v.x).add(v.y).add(v.z); }
-} // namespace
-
-Sha256::Digest sceneHash(const Scene& scene)
-{
-    Sha256 sum;
-    sum.add(scene.origin.x).add(scene.origin.y).add(scene.origin.z);
-    for (const Image& image : scene.images) sum.add(image.width).add(image.height).add(image.rgba);
-    for (const Material& m : scene.materials) {
-        addVec3(sum, {m.baseColor.x, m.baseColor.y, m.baseColor.z});
-        sum.add(m.baseColor.w).add(m.metallic).add(m.roughness).add(m.alpha).add(m.alphaCutoff);
-        sum.add(m.doubleSided ? 1 : 0).add(m.transmission).add(m.ior).add(m.thickness).add(m.attenuationDistance);
-        addVec3(sum, m.emission);
-        addVec3(sum, m.attenuationColor);
-        addTexture(sum, m.baseColorTexture);
-        addTexture(sum, m.metallicRoughnessTexture);
-        addTexture(sum, m.emissionTexture);
-    }
-    for (const Mesh& mesh : scene.meshes) {
-        sum.add(mesh.positions).add(mesh.triangles).add(mesh.uv[0]).add(mesh.uv[1]).add(mesh.colors).add(mesh.material);
-    }
-    for (const Instance& instance : scene.instances) {
-        sum.add(instance.mesh).add(instance.group);
-        for (int c = 0; c < 4; ++c) addVec3(sum, glm::vec3(instance.toWorld[c]));
-    }
-    for (const PunctualLight& light : scene.lights) {
-        sum.add(light.kind).add(light.innerCone).add(light.outerCone).add(light.group);
-        addVec3(sum, light.position);
-        addVec3(sum, light.travel);
-        addVec3(sum, light.intensity);
-    }
-    for (const LightGroup& group : scene.groups) sum.add(group.id);
-    return sum.finish();
-}
-
 } // namespace lightloom

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "core/base/hash.h"
+#include "core/base/shared_list.h"
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -30,6 +31,7 @@ struct Texture {
     glm::vec2 offset{0.0f}, scale{1.0f};
     float rotation = 0.0f; ///< radians, counter-clockwise
     [[nodiscard]] bool isSet() const { return image >= 0; }
+    bool operator==(const Texture&) const = default;
 };
 
 /// glTF metallic-roughness without a dielectric layer: diffuse (1 - metallic) (1 - transmission) baseColor / pi; the
@@ -127,13 +129,14 @@ struct Bounds {
     [[nodiscard]] float longestSide() const { return glm::max(size().x, glm::max(size().y, size().z)); }
 };
 
-/// Built once, then only read, by any number of threads.
+/// Built once, then only read, by any number of threads. A copy with another lamp is cheap: images and meshes are
+/// shared.
 struct Scene {
     std::string name;
     glm::dvec3 origin{0.0}; ///< added to scene positions gives the file's positions
-    std::vector<Image> images;
+    SharedList<Image> images;
     std::vector<Material> materials;
-    std::vector<Mesh> meshes;
+    SharedList<Mesh> meshes;
     std::vector<Instance> instances;
     std::vector<PunctualLight> lights;
     std::vector<LightGroup> groups;
@@ -153,6 +156,14 @@ void finishScene(Scene& scene, const std::vector<std::string>& groupNames);
 
 /// SHA-256 over everything that light depends on (geometry, materials, lamps, groups), names of meshes left out.
 [[nodiscard]] Sha256::Digest sceneHash(const Scene& scene);
+/// The same without the lamps: punctual lights, what glows and how bright, light groups. Scenes with equal ones differ
+/// in their lamps only; a lamp's mesh is surface.
+[[nodiscard]] Sha256::Digest surfaceHash(const Scene& scene);
+/// SHA-256 over what the photons of one light group depend on beside the surface: its number and id, and its lamps.
+[[nodiscard]] Sha256::Digest lampHash(const Scene& scene, int group);
+/// True if `a` and `b` surely have the same surface, found without looking at meshes and images: one is an edit of the
+/// other. False says nothing.
+[[nodiscard]] bool isSameSurface(const Scene& a, const Scene& b);
 
 /// Gain per light group and channel; what the light mixer sets. Linear: 1 is the lamp as baked, 0 is off.
 using Mix = std::vector<glm::vec3>;

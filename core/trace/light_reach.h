@@ -6,15 +6,21 @@
 
 namespace lightloom {
 
+class SideElements;
+
 /// The surface that light can reach at all. The inside of a thick wall, the outside of a closed room and the floor
 /// under a block cannot be reached; counting them would halve densities beside them and put probes into the dark.
-/// Judged element by element (SideElements): reached is what a random walk from a lamp meets, and what sees something
-/// reached; glass that is reached from one side is reached on both. Depends on the scene alone, not on which lamps are
-/// on. Without lamps everything counts as reached.
+/// Judged element by element (SideElements): reached is the space that a lamp shines into (LightSpaces). Depends on the
+/// scene alone, not on which lamps are on. Without lamps everything counts as reached.
 class LightReach {
 public:
     static std::shared_ptr<const LightReach> find(const RayScene& rays, const LightSampler& lights, Workers& workers,
                                                   const std::stop_token& stop); ///< null: stopped
+    /// The elements for which `isReached` is not 0. Null: stopped.
+    static std::shared_ptr<const LightReach>
+    of(const SideElements& elements, const std::vector<std::uint8_t>& isReached, const std::stop_token& stop);
+    /// What counts as reached where there are no lamps, for `of`.
+    [[nodiscard]] static std::vector<std::uint8_t> everything(const SideElements& elements);
 
     [[nodiscard]] const std::vector<ReachedFacet>& facets() const { return facets_; }
     [[nodiscard]] double area() const { return area_; } ///< m2, of all facets

@@ -64,6 +64,11 @@ double luminous(glm::dvec3 c)
     return static_cast<double>(kLumaR) * c.x + static_cast<double>(kLumaG) * c.y + static_cast<double>(kLumaB) * c.z;
 }
 
+bool emitsAlike(const Material& a, const Material& b)
+{
+    return a.emission == b.emission && a.emissionTexture == b.emissionTexture && a.doubleSided == b.doubleSided;
+}
+
 /// Who is shot from in one group.
 struct Dealer {
     std::vector<int> emitters;
@@ -87,9 +92,10 @@ struct LightSampler::State {
     float radius = 0.0f;
 
     void addPunctual(int index);
-    void addSurface(int index);
+    void addSurface(int index, const State* earlier);
+    bool takeSurface(int index, const State& earlier);
     void add(const Emitter& emitter, glm::dvec3 lumen);
-    void aim();
+    void aim(const State* earlier);
     void deal();
     [[nodiscard]] const PunctualLight& light(const Emitter& e) const
     {
@@ -136,8 +142,26 @@ void LightSampler::State::addPunctual(int index)
     cones.back() = cone;
 }
 
-void LightSampler::State::addSurface(int index)
+/// The sums of an instance that glows as it did in `earlier`. False: it does not.
+bool LightSampler::State::takeSurface(int index, const State& earlier)
 {
+    const auto i = static_cast<std::size_t>(index);
+    if (i >= earlier.emitterOfInstance.size() || earlier.emitterOfInstance[i] < 0) return false;
+    const std::uint32_t triangle = rays->firstTriangle(static_cast<std::uint32_t>(index));
+    if (triangle == rays->firstTriangle(static_cast<std::uint32_t>(index) + 1)) return false;
+    if (!emitsAlike(rays->material(triangle), earlier.rays->material(triangle))) return false;
+    const auto e = static_cast<std::size_t>(earlier.emitterOfInstance[i]);
+    Emitter emitter = earlier.emitters[e];
+    emitter.group = rays->scene().instances[i].group;
+    emitterOfInstance[i] = static_cast<int>(emitters.size());
+    add(emitter, earlier.flux[e]);
+    shapes.back() = earlier.shapes[e];
+    return true;
+}
+
+void LightSampler::State::addSurface(int index, const State* earlier)
+{
+    if (earlier && takeSurface(index, *earlier)) return;
     const Scene& scene = rays->scene();
     const Instance& instance = scene.instances[static_cast<std::size_t>(index)];
     const Mesh& mesh = scene.meshes[static_cast<std::size_t>(instance.mesh)];
@@ -175,15 +199,27 @@ void LightSampler::State::addSurface(int index)
     shapes.back() = std::move(shape);
 }
 
-void LightSampler::State::aim()
+void LightSampler::State::aim(const State* earlier)
 {
+    const auto alike = [&](std::size_t e) -> const std::optional<SunAim>* {
+        for (std::size_t i = 0; earlier && i < earlier->emitters.size(); ++i) {
+            if (earlier->aims[i] && earlier->light(earlier->emitters[i]).travel == light(emitters[e]).travel)
+                return &earlier->aims[i];
+        }
+        return nullptr;
+    };
     std::vector<std::size_t> suns;
     for (std::size_t e = 0; e < emitters.size(); ++e) {
         if (emitters[e].kind == Emitter::Kind::directional && luminous(flux[e]) > 0.0) suns.push_back(e);
     }
     std::ranges::stable_sort(suns, [&](std::size_t a, std::size_t b) { return luminous(flux[a]) > luminous(flux[b]); });
     suns.resize(std::min(suns.size(), kMostAims));
-    for (const std::size_t e : suns) aims[e].emplace(*rays, light(emitters[e]).travel, centre, radius);
+    for (const std::size_t e : suns) {
+        if (const auto* aim = alike(e))
+            aims[e] = *aim;
+        else
+            aims[e].emplace(*rays, light(emitters[e]).travel, centre, radius);
+    }
 }
 
 void LightSampler::State::deal()
@@ -292,9 +328,11 @@ bool LightSampler::State::sampleSurface(const Shape& shape, glm::vec3 p, glm::ve
     return true;
 }
 
-LightSampler::LightSampler(std::shared_ptr<const RayScene> rays) : state_(std::make_unique<State>())
+LightSampler::LightSampler(std::shared_ptr<const RayScene> rays, const LightSampler* earlier)
+    : state_(std::make_unique<State>())
 {
     State& s = *state_;
+    const State* known = earlier ? earlier->state_.get() : nullptr;
     s.rays = std::move(rays);
     const Scene& scene = s.rays->scene();
     s.centre = scene.bounds.centre();
@@ -303,14 +341,15 @@ LightSampler::LightSampler(std::shared_ptr<const RayScene> rays) : state_(std::m
     s.emitterOfInstance.assign(scene.instances.size(), -1);
     for (std::size_t i = 0; i < scene.lights.size(); ++i) s.addPunctual(static_cast<int>(i));
     for (std::size_t i = 0; i < scene.instances.size(); ++i) {
-        if (scene.instances[i].group >= 0) s.addSurface(static_cast<int>(i));
+        if (scene.instances[i].group >= 0) s.addSurface(static_cast<int>(i), known);
     }
-    s.aim();
+    s.aim(known);
     s.deal();
 }
 LightSampler::~LightSampler() = default;
 LightSampler::LightSampler(LightSampler&&) noexcept = default;
 
+const std::shared_ptr<const RayScene>& LightSampler::rays() const { return state_->rays; }
 const std::vector<Emitter>& LightSampler::emitters() const { return state_->emitters; }
 const std::vector<int>& LightSampler::inGroup(int group) const
 {

@@ -40,10 +40,13 @@ struct LightSample {
 /// All emitters of a scene, grouped. Values per channel. Knows geometry through the RayScene it was built with.
 class LightSampler {
 public:
-    explicit LightSampler(std::shared_ptr<const RayScene> rays);
+    /// `earlier` (may be null; not kept): lamps of an edit of the scene with the same surface, whose sums are taken
+    /// over where they hold here too. The result is the same without it.
+    explicit LightSampler(std::shared_ptr<const RayScene> rays, const LightSampler* earlier = nullptr);
     ~LightSampler();
     LightSampler(LightSampler&&) noexcept;
 
+    [[nodiscard]] const std::shared_ptr<const RayScene>& rays() const;
     [[nodiscard]] const std::vector<Emitter>& emitters() const;
     /// Indices into `emitters()` of one light group.
     [[nodiscard]] const std::vector<int>& inGroup(int group) const;

@@ -82,7 +82,7 @@ bool monitor(void* stop, double) { return !static_cast<std::stop_token*>(stop)->
 } // namespace
 
 struct RayScene::State {
-    std::shared_ptr<const Scene> scene;
+    std::shared_ptr<const Scene> scene; // that it was built from: cut-outs look at its images
     std::string isa;
     std::vector<SceneTriangle> triangles;
     std::vector<glm::vec3> normals;
@@ -205,28 +205,32 @@ Result<std::shared_ptr<const RayScene>> RayScene::build(std::shared_ptr<const Sc
 try {
     const Result<std::string> config = isaConfig(isa);
     if (!config) return config.error();
-    auto state = std::make_unique<State>();
-    state->scene = std::move(scene);
+    const auto state = std::make_shared<State>();
+    state->scene = scene;
     state->isa = *config;
     state->device.reset(rtcNewDevice(embreeOptions(*config).c_str()));
     if (!state->device) return Error{Error::Kind::unsupported, "Embree does not run on this machine"};
     if (!state->listTriangles(stop)) return stopped();
     if (const Result<Done> built = state->buildTree(stop); !built) return built.error();
-    return std::shared_ptr<const RayScene>(new RayScene(std::move(state)));
+    return std::shared_ptr<const RayScene>(new RayScene(state, std::move(scene)));
 } catch (const std::bad_alloc&) {
     return Error{Error::Kind::outOfMemory, "not enough memory for the scene's triangles"};
 }
 
-RayScene::RayScene(std::unique_ptr<State> state)
-    : state_(std::move(state)),
+RayScene::RayScene(std::shared_ptr<const State> state, std::shared_ptr<const Scene> scene)
+    : state_(std::move(state)), scene_(std::move(scene)),
       // an empty or single-point scene still needs a positive step
-      offset_(glm::max(1e-5f * state_->scene->bounds.diagonal(), std::numeric_limits<float>::min() * 1e6f))
+      offset_(glm::max(1e-5f * scene_->bounds.diagonal(), std::numeric_limits<float>::min() * 1e6f))
 {
 }
+
+std::shared_ptr<const RayScene> RayScene::withScene(std::shared_ptr<const Scene> scene) const
+{
+    return std::shared_ptr<const RayScene>(new RayScene(state_, std::move(scene)));
+}
+
 RayScene::~RayScene() = default;
 
-const Scene& RayScene::scene() const { return *state_->scene; }
-std::shared_ptr<const Scene> RayScene::sharedScene() const { return state_->scene; }
 std::uint32_t RayScene::triangleCount() const { return static_cast<std::uint32_t>(state_->triangles.size()); }
 const SceneTriangle& RayScene::triangle(std::uint32_t index) const { return state_->triangles[index]; }
 glm::vec3 RayScene::triangleNormal(std::uint32_t index) const { return state_->normals[index]; }
@@ -243,9 +247,9 @@ float RayScene::triangleArea(std::uint32_t index) const
 
 const Material& RayScene::material(std::uint32_t index) const
 {
-    const Instance& instance = state_->scene->instances[state_->triangles[index].instance];
-    const Mesh& mesh = state_->scene->meshes[static_cast<std::size_t>(instance.mesh)];
-    return state_->scene->materials[static_cast<std::size_t>(mesh.material)];
+    const Instance& instance = scene_->instances[state_->triangles[index].instance];
+    const Mesh& mesh = scene_->meshes[static_cast<std::size_t>(instance.mesh)];
+    return scene_->materials[static_cast<std::size_t>(mesh.material)];
 }
 
 bool RayScene::intersect(glm::vec3 origin, glm::vec3 travel, float most, Hit& hit) const

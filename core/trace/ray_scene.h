@@ -40,12 +40,14 @@ public:
     /// Errors: out of memory; cancelled (a stop is seen within Embree's build too).
     static Result<std::shared_ptr<const RayScene>> build(std::shared_ptr<const Scene> scene, Isa isa = Isa::automatic,
                                                          std::stop_token stop = {});
+    /// The same triangles for an edit of the scene with the same surface (`surfaceHash`): everything is shared, O(1).
+    [[nodiscard]] std::shared_ptr<const RayScene> withScene(std::shared_ptr<const Scene> scene) const;
     ~RayScene();
     RayScene(const RayScene&) = delete;
     RayScene& operator=(const RayScene&) = delete;
 
-    [[nodiscard]] const Scene& scene() const;
-    [[nodiscard]] std::shared_ptr<const Scene> sharedScene() const;
+    [[nodiscard]] const Scene& scene() const { return *scene_; }
+    [[nodiscard]] const std::shared_ptr<const Scene>& sharedScene() const { return scene_; }
 
     /// Nearest surface along `origin + t * travel`, t in (0, most). `travel` unit. False: none.
     [[nodiscard]] bool intersect(glm::vec3 origin, glm::vec3 travel, float most, Hit& hit) const;
@@ -73,8 +75,9 @@ public:
 
 private:
     struct State;
-    explicit RayScene(std::unique_ptr<State> state);
-    std::unique_ptr<State> state_;
+    RayScene(std::shared_ptr<const State> state, std::shared_ptr<const Scene> scene);
+    std::shared_ptr<const State> state_;
+    std::shared_ptr<const Scene> scene_;
     float offset_;
 };
 

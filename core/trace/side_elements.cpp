@@ -4,6 +4,7 @@
 #include "core/base/sampling.h"
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <numeric>
 #include <tuple>
 
@@ -12,6 +13,7 @@ namespace {
 
 constexpr int kLatticeDepth = 6;
 constexpr float kLargeCells = 2.0f; ///< a triangle this many cells long is cut
+constexpr float kFromEdges = 0.1f;  ///< that sampled points keep, in steps off the surface: many times the rounding
 
 /// Sides (2 * triangle for the front, + 1 for the back) joined into surfaces.
 class Surfaces {
@@ -54,6 +56,18 @@ bool forTriangles(const RayScene& rays, Workers& workers, const std::stop_token&
             body(static_cast<std::uint32_t>(t));
         }
     });
+}
+
+/// Whether `p` lies inside the triangle with unit normal `n`, either way, by at least `distance`: rounding could carry
+/// a point of a body's inside over its edge, into the open.
+bool isOffEdges(const SceneTriangle& t, glm::vec3 p, glm::vec3 n, float distance)
+{
+    const auto off = [&](glm::vec3 from, glm::vec3 to) {
+        const glm::dvec3 edge = glm::dvec3(to) - glm::dvec3(from);
+        const double across = glm::dot(glm::cross(glm::dvec3(n), edge), glm::dvec3(p) - glm::dvec3(from));
+        return std::abs(across) >= static_cast<double>(distance) * glm::length(edge);
+    };
+    return off(t.a, t.b) && off(t.b, t.c) && off(t.c, t.a);
 }
 
 /// Whether a long loop is to end; asks every 65536th time only.
@@ -236,7 +250,7 @@ bool SideElements::sample(std::uint32_t element, Rng& rng, glm::vec3& p, glm::ve
     const glm::vec2 w = sampleTriangle(u1, u2);
     p = a * (1.0f - w.x - w.y) + b * w.x + c * w.y;
     n = rays_.triangleNormal(side / 2) * (side % 2 ? -1.0f : 1.0f);
-    return n != glm::vec3(0.0f);
+    return n != glm::vec3(0.0f) && isOffEdges(rays_.triangle(side / 2), p, n, kFromEdges * rays_.offset());
 }
 
 bool SideElements::canFace(std::uint32_t element, glm::vec3 p, glm::vec3 n) const

@@ -17,7 +17,8 @@ public:
 
     [[nodiscard]] std::uint32_t count() const { return count_; }
     [[nodiscard]] std::uint32_t of(const Hit& hit) const;
-    /// A point on the element and the normal of its side. False: the element has no area.
+    /// A point on the element, off its edges, and the normal of its side. False: the point that came up is too
+    /// near an edge, or the element has no area.
     [[nodiscard]] bool sample(std::uint32_t element, Rng& rng, glm::vec3& p, glm::vec3& n) const;
     /// Whether a point of the element, moved off its surface (`RayScene::leave`), can lie before one that faces `n` at
     /// `p` and see it before itself. Cheap; true where it is not sure, and always for elements of small triangles.

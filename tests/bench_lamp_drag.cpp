@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+// How soon the picture follows a lamp that is dragged: gallery's lamp over the bench is moved 50 times through a
+// BakeSession as the window would. Time from the edit to the first snapshot with the moved lamp's light, and to the
+// settled one, by the clock on the wall and by CPU time of all threads; and what the first picture's time goes into.
+//   bench_lamp_drag [--moves N] [--threads N] [--set NAME=VALUE ...] [SCENE [LAMP]]
+#include "core/bake/bake_session.h"
+#include "core/bake/gpu_layout.h"
+#include "core/octree/octree_solver.h"
+#include "core/params/param_text.h"
+#include "core/scene/sample_scenes.h"
+#include "tests/bench_clock.h"
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <fmt/format.h>
+#include <future>
+#include <map>
+
+using namespace lightloom;
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double msSince(Clock::time_point then)
+{
+    return std::chrono::duration<double, std::milli>(Clock::now() - then).count();
+}
+
+/// The times of one edit, from posting it.
+struct Followed {
+    double firstMs = 0, firstCpuMs = 0, settledMs = 0, settledCpuMs = 0;
+};
+
+/// A session that is posted one edit after another and waits for each to settle.
+class Desk {
+public:
+    Desk(int threads)
+        : workers_(threads), session_(workers_, std::make_unique<OctreeSolver>(),
+                                      {[this](const Snapshot& s) { show(s); },
+                                       {},
+                                       [this](std::uint64_t, const Result<Done>& outcome) {
+                                           ended_.set_value(outcome ? std::string() : outcome.error().message);
+                                       }})
+    {
+    }
+
+    Followed follow(const BakeJob& job)
+    {
+        ended_ = {};
+        seen_ = {};
+        isFirst_ = true;
+        firstStages_.clear();
+        began_ = Clock::now();
+        cpuBegan_ = 1000.0 * cpuSeconds(CpuOf::process);
+        session_.post(job);
+        if (const std::string error = ended_.get_future().get(); !error.empty()) fmt::print("{}\n", error);
+        seen_.settledMs = msSince(began_);
+        seen_.settledCpuMs = 1000.0 * cpuSeconds(CpuOf::process) - cpuBegan_;
+        return seen_;
+    }
+    [[nodiscard]] WorkCounters counters() const { return session_.counters(); }
+    [[nodiscard]] const std::vector<StageCost>& firstStages() const { return firstStages_; }
+
+private:
+    void show(const Snapshot& snapshot)
+    {
+        // what the window makes of it before it can draw
+        const auto octree = std::static_pointer_cast<const LightOctree>(snapshot.field);
+        const auto began = Clock::now();
+        const Result<GpuOctree> gpu = makeGpuOctree(*octree);
+        if (!gpu) fmt::print("{}\n", gpu.error().message);
+        if (!std::exchange(isFirst_, false)) return;
+        firstStages_ = session_.products().counters.stages;
+        firstStages_.push_back({"texture arrays", msSince(began), msSince(began), false});
+        seen_.firstMs = msSince(began_);
+        seen_.firstCpuMs = 1000.0 * cpuSeconds(CpuOf::process) - cpuBegan_;
+    }
+
+    std::promise<std::string> ended_;
+    Followed seen_;
+    bool isFirst_ = true;
+    std::vector<StageCost> firstStages_;
+    Clock::time_point began_;
+    double cpuBegan_ = 0;
+    Workers workers_;
+    BakeSession session_;
+};
+
+double part(std::vector<double> values, double share)
+{
+    std::ranges::sort(values);
+    return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
+}
+
+void print(const char* what, const std::vector<double>& wall, const std::vector<double>& cpu)
+{
+    fmt::print("| {} | {:.0f} | {:.0f} | {:.0f} | {:.0f} |\n", what, part(wall, 0.5), part(wall, 0.95), part(cpu, 0.5),
+               part(cpu, 0.95));
+}
+
+/// The scene with lamp `index` a little further along a small circle around where the file has it.
+std::shared_ptr<const Scene> moved(const Scene& scene, std::size_t index, int step)
+{
+    auto edited = std::make_shared<Scene>(scene);
+    const float angle = 0.35f * static_cast<float>(step);
+    PunctualLight& lamp = edited->lights[index];
+    const glm::vec3 shift(0.6f * std::cos(angle), 0.15f * std::sin(2.0f * angle), 0.6f * std::sin(angle));
+    if (lamp.kind == PunctualLight::Kind::directional)
+        lamp.travel = glm::normalize(lamp.travel + 0.2f * shift);
+    else
+        lamp.position += shift;
+    return edited;
+}
+
+void measure(const std::string& name, const std::string& wanted, const BakeParams& params, int moves, int threads)
+{
+    const Result<Scene> scene = sampleScene(name);
+    if (!scene || scene->lights.empty()) return fmt::print("{}: no such scene, or none with a point lamp\n", name);
+    std::size_t lamp = 0;
+    for (std::size_t i = 0; i < scene->lights.size(); ++i) {
+        if (scene->lights[i].node.find(wanted) != std::string::npos) lamp = i;
+    }
+    Desk desk(threads);
+    BakeJob job;
+    job.scene = std::make_shared<const Scene>(*scene);
+    job.params = params;
+    job.roughFirst = true;
+    const Followed opened = desk.follow(job);
+    std::vector<double> first, firstCpu, settled, settledCpu;
+    std::map<std::string, std::vector<double>> stages;
+    std::uint64_t shot = 0, groupsShot = 0;
+    for (int i = 1; i <= moves; ++i) {
+        job.scene = moved(*scene, lamp, i);
+        const Followed one = desk.follow(job);
+        first.push_back(one.firstMs), firstCpu.push_back(one.firstCpuMs);
+        settled.push_back(one.settledMs), settledCpu.push_back(one.settledCpuMs);
+        for (const StageCost& s : desk.firstStages()) {
+            if (!s.isKept) stages[s.stage].push_back(s.wallMs);
+        }
+        const WorkCounters done = desk.counters();
+        shot = std::max(shot, done.photonsShot);
+        groupsShot = std::max(groupsShot, done.groupsBaked - done.groupsReused);
+    }
+    fmt::print("{}, {} moved {} times; photons shot per edit at most {}, for {} of {} lamps\n\n", name,
+               scene->lights[lamp].node, moves, shot, groupsShot, scene->groups.size());
+    fmt::print("| from the edit to | median ms | p95 ms | median CPU ms | p95 CPU ms |\n|---|---|---|---|---|\n");
+    print("first picture with the lamp's light", first, firstCpu);
+    print("settled", settled, settledCpu);
+    print("first picture of the scene, for comparison", {opened.firstMs}, {opened.firstCpuMs});
+    print("the whole scene settled", {opened.settledMs}, {opened.settledCpuMs});
+    fmt::print("\nFirst picture, medians in ms:");
+    double sum = 0;
+    for (const auto& [stage, ms] : stages) {
+        fmt::print(" {} {:.1f},", stage, part(ms, 0.5));
+        sum += part(ms, 0.5);
+    }
+    fmt::print(" rest {:.1f}\n", part(first, 0.5) - sum);
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+    int moves = 50, threads = 0;
+    BakeParams params;
+    std::vector<std::string> words;
+    for (int i = 1; i < argc; ++i) {
+        const std::string word = argv[i];
+        const char* value = i + 1 < argc ? argv[i + 1] : "";
+        if (word == "--moves" || word == "--threads") {
+            std::from_chars(value, value + std::strlen(value), word == "--moves" ? moves : threads);
+            ++i;
+        } else if (word == "--set") {
+            const Result<BakeParams> set = withAssignment(params, value);
+            if (!set) return fmt::print("{}\n", set.error().message), 2;
+            params = *set;
+            ++i;
+        } else {
+            words.push_back(word);
+        }
+    }
+    words.resize(std::max<std::size_t>(words.size(), 2));
+    measure(words[0].empty() ? "gallery" : words[0], words[1].empty() ? "bench" : words[1], params, std::max(moves, 1),
+            threads);
+    return 0;
+}
