@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Descent through the light octree's bricks (core/bake/gpu_layout.h), on values: the caller reads the texels.
 
+// What a descent to a cell of some level finds.
+const int kOwnLeaf = 0;   // a leaf as deep as was asked for
+const int kSplitLeaf = 1; // the same, and it has children
+const int kLargeLeaf = 2; // less deep: it covers the cell, and is not split
+
 // Position in cells of a lattice whose corner is `lowest`.
 SHARED vec3 octreePosition(vec3 p, vec3 lowest, float cellSize)
 {
@@ -31,13 +36,20 @@ SHARED bool texelIsNode(uvec4 texel)
     return texel.w == 1u;
 }
 
-// Entries of a leaf; 0 for an empty texel and for a node.
-SHARED int texelEntries(uvec4 texel)
+// True for a leaf that is split further: it points to a brick that holds the leaf itself at (0,0,0), and at (1,0,0) a
+// node with its children.
+SHARED bool texelIsSplit(uvec4 texel)
 {
-    return texel.w < 2u ? 0 : int(texel.w) - 1;
+    return texel.w == 255u;
 }
 
-// Brick a node's texel points to.
+// Entries of a leaf; 0 for an empty texel, for a node and for a leaf that is split.
+SHARED int texelEntries(uvec4 texel)
+{
+    return texel.w < 2u || texel.w == 255u ? 0 : int(texel.w) - 1;
+}
+
+// Brick that the texel of a node, or of a leaf that is split, points to.
 SHARED ivec3 texelBrick(uvec4 texel)
 {
     return ivec3(int(texel.x), int(texel.y), int(texel.z));

@@ -8,7 +8,7 @@
 
 uniform usampler3D bricks;
 uniform usampler2D vdls, normals;
-uniform int depth;
+uniform int depth, deepest;
 uniform int vdlCount;
 uniform int hasDirections;
 uniform int vdlWidth, normalWidth;
@@ -37,31 +37,30 @@ uvec2 normalAt(int entry)
     return texelFetch(normals, rowTexel(entry, normalWidth), 0).xy;
 }
 
+vec3 entryValue(int entry, vec3 n);
 #include "octree_walk.glsl"
 
-// What a metal sends to the eye of the virtual lights around p, cd/m2.
-vec3 glossyRadiance(vec3 p, vec3 n, vec3 f0, float alpha, vec3 toEye)
+// What a metal at the pixel sends to the eye, instead of the illuminance on it.
+bool isGlossAsked = false;
+vec3 metalF0, toEye;
+float metalAlpha;
+
+// cd/m2 in units of colourScale, of the virtual lights of an entry
+vec3 entryGloss(int entry, vec3 n)
 {
-    vec3 at = octreePosition(p, lowest, cellSize) - 0.5;
-    ivec3 cell = ivec3(floor(at));
-    vec3 part = at - floor(at);
-    float weights = 0.0;
     vec3 sum = vec3(0.0);
-    for (int i = 0; i < 8; ++i) {
-        ivec3 corner = ivec3(i & 1, (i >> 1) & 1, (i >> 2) & 1);
-        float weight = cornerWeight(part, corner);
-        if (weight <= 0.0) continue;
-        int entry = entryFor(cell + corner, n);
-        if (entry < 0) continue;
-        weights += weight;
-        for (int j = 0; j < vdlCount; ++j) {
-            uvec4 texel = vdlAt(entry * vdlCount + j);
-            if ((texel.x | texel.y | texel.z) == 0u) break;
-            vec3 colour = vec3(halfValue(texel.x), halfValue(texel.y), halfValue(texel.z)) * weight;
-            sum += colour * metalReflects(f0, alpha, n, directionValue(texel.w >> 8u, texel.w & 255u), toEye);
-        }
+    for (int j = 0; j < vdlCount; ++j) {
+        uvec4 texel = vdlAt(entry * vdlCount + j);
+        if ((texel.x | texel.y | texel.z) == 0u) break;
+        vec3 colour = vec3(halfValue(texel.x), halfValue(texel.y), halfValue(texel.z));
+        sum += colour * metalReflects(metalF0, metalAlpha, n, directionValue(texel.w >> 8u, texel.w & 255u), toEye);
     }
-    return weights > 0.0 ? sum * (colourScale / weights) : vec3(0.0);
+    return sum;
+}
+
+vec3 entryValue(int entry, vec3 n)
+{
+    return isGlossAsked ? entryGloss(entry, n) : entryIlluminance(entry, n);
 }
 
 void main()
@@ -72,8 +71,9 @@ void main()
     vec4 normal = texelFetch(gNormal, pixel, 0);
     vec4 base = texelFetch(gBase, pixel, 0);
     vec3 n = normal.xyz;
-    vec4 light = octreeIlluminance(place.xyz, n);
+    vec4 light = octreeBlend(place.xyz, n);
     if (light.w <= 0.0) discard; // no entry near: the picture shows direct light only
+    light.xyz *= colourScale;
     if (showIlluminance == 1) {
         radiance = vec4(light.xyz, 1.0);
         return;
@@ -83,8 +83,11 @@ void main()
     float metal = hasDirections == 1 || isMirrored ? base.w : 0.0;
     vec3 glossy = vec3(0.0);
     if (metal > 0.0 && !isMirrored) {
-        vec3 toEye = normalize(eye - place.xyz);
-        glossy = glossyRadiance(place.xyz, n, base.xyz * metal, max(normal.w * normal.w, kLeastGloss), toEye);
+        isGlossAsked = true;
+        toEye = normalize(eye - place.xyz);
+        metalF0 = base.xyz * metal;
+        metalAlpha = max(normal.w * normal.w, kLeastGloss);
+        glossy = octreeBlend(place.xyz, n).xyz * colourScale;
     }
     radiance = vec4(lambert(base.xyz * (1.0 - metal), light.xyz) + glossy, 1.0);
 }

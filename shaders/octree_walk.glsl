@@ -1,27 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lookup in a light octree's arrays (core/bake/gpu_layout.h): one text for pixels (mode_vdl.frag) and for the processor
 // (core/bake/packed_octree.cpp), so that both give the same light. Whoever includes it brings
-//   int depth, vdlCount, hasDirections; vec3 lowest; float cellSize, colourScale
+//   int depth, deepest, vdlCount, hasDirections; vec3 lowest; float cellSize, colourScale
 //   uvec4 brickAt(ivec3 texel), vdlAt(int number); uvec2 normalAt(int entry)
+//   vec3 entryValue(int entry, vec3 n): what is asked of an entry, for octreeBlend
 // and common_octree.glsl, common_vdl.glsl, shared_limits.glsl.
 
-// First entry (x) and number of entries (y) of the leaf at `cell`; none: y = 0.
-SHARED ivec2 leafAt(ivec3 cell)
+// First entry (x) and number of entries (y) of the leaf at `cell` of a level from `depth` on, and what it is (z); none:
+// y = 0.
+SHARED ivec3 leafAt(ivec3 cell, int level)
 {
-    if (!octreeHolds(cell, depth)) return ivec2(0);
+    if (!octreeHolds(cell, level)) return ivec3(0);
     ivec3 brick = ivec3(0);
-    for (int level = 0; level < depth; ++level) {
-        uvec4 texel = brickAt(brickTexel(brick, octreeChild(cell, level, depth)));
-        if (!texelIsNode(texel)) return ivec2(texelAddress(texel), texelEntries(texel));
+    for (int l = 0; l < level; ++l) {
+        uvec4 texel = brickAt(brickTexel(brick, octreeChild(cell, l, level)));
+        bool isLast = l + 1 == level;
+        int kind = isLast ? kOwnLeaf : kLargeLeaf;
+        if (texelIsSplit(texel)) {
+            kind = kSplitLeaf;
+            texel = brickAt(brickTexel(texelBrick(texel), ivec3(isLast ? 0 : 1, 0, 0)));
+        }
+        if (!texelIsNode(texel)) return ivec3(texelAddress(texel), texelEntries(texel), kind);
         brick = texelBrick(texel);
     }
-    return ivec2(0);
+    return ivec3(0);
 }
 
-// Entry of the leaf at `cell` whose normal is nearest n, or -1 where none is compatible.
-SHARED int entryFor(ivec3 cell, vec3 n)
+// Entry of a leaf (leafAt) whose normal is nearest n, or -1 where none is compatible.
+SHARED int entryFor(ivec3 leaf, vec3 n)
 {
-    ivec2 leaf = leafAt(cell);
     int best = -1;
     float bestCosine = kCompatible;
     for (int e = leaf.x; e < leaf.x + leaf.y; ++e) {
@@ -49,24 +56,43 @@ SHARED vec3 entryIlluminance(int entry, vec3 n)
     return sum;
 }
 
-// Lux at p on a surface facing n: the eight leaves around p, in each the entry nearest n, renormalised over the leaves
-// that answer (w: their weight, 0 where there is none).
-SHARED vec4 octreeIlluminance(vec3 p, vec3 n)
+// What entries around p give a surface facing n, entryValue blended, in its unit (w: weight of what answered, 0 where
+// nothing does): the eight leaves around p, in each the entry nearest n, renormalised over those that answer. Then level
+// by level where leaves are split: their children answer for their share, for the rest the level above.
+SHARED vec4 octreeBlend(vec3 p, vec3 n)
 {
-    vec3 at = octreePosition(p, lowest, cellSize) - 0.5f;
-    if (!(length(at) < 4e6f)) return vec4(0.0f); // far outside (or NaN) a cast to int would overflow
-    ivec3 cell = ivec3(floor(at));
-    vec3 part = at - floor(at);
-    float weights = 0.0f;
-    vec3 sum = vec3(0.0f);
-    for (int i = 0; i < 8; ++i) {
-        ivec3 corner = ivec3(i & 1, (i >> 1) & 1, (i >> 2) & 1);
-        float weight = cornerWeight(part, corner);
-        if (weight <= 0.0f) continue;
-        int entry = entryFor(cell + corner, n);
-        if (entry < 0) continue;
-        weights += weight;
-        sum += weight * entryIlluminance(entry, n);
+    vec3 value = vec3(0.0f);
+    float answered = 0.0f;
+    float side = cellSize;
+    for (int level = depth; level <= deepest; ++level) {
+        vec3 at = octreePosition(p, lowest, side) - 0.5f;
+        if (!(length(at) < 4e6f)) break; // far outside (or NaN) a cast to int would overflow
+        ivec3 cell = ivec3(floor(at));
+        vec3 part = at - floor(at);
+        float weights = 0.0f;
+        float above = 0.0f;
+        vec3 sum = vec3(0.0f);
+        bool isSplit = false;
+        for (int i = 0; i < 8; ++i) {
+            ivec3 corner = ivec3(i & 1, (i >> 1) & 1, (i >> 2) & 1);
+            float weight = cornerWeight(part, corner);
+            if (weight <= 0.0f) continue;
+            ivec3 leaf = leafAt(cell + corner, level);
+            if (leaf.z == kSplitLeaf) isSplit = true;
+            int entry = entryFor(leaf, n);
+            if (entry < 0) continue;
+            if (leaf.z == kLargeLeaf) {
+                above += weight;
+                continue;
+            }
+            weights += weight;
+            sum += weight * entryValue(entry, n);
+        }
+        if (weights <= 0.0f) break;
+        value = (sum + above * value) / (weights + above);
+        if (level == depth) answered = weights;
+        if (!isSplit) break;
+        side = 0.5f * side;
     }
-    return weights > 0.0f ? vec4(sum * (colourScale / weights), weights) : vec4(0.0f);
+    return vec4(value, answered);
 }

@@ -71,10 +71,8 @@ private Q_SLOTS:
         }
         const ReferenceResult reference = traceProbes(lit, probes, 32'768);
         QCOMPARE(reference.causticPhotons, std::uint64_t(0)); // a panel that paths find by themselves
-        BakeParams params;
-        params.octreeFirstDepth = params.octreeDepth = 7;
-        params.photonCount = 1'000'000;
-        params.gatherCount = 100; // the default of 300 blurs the ring's cusp, 25 mm wide, by a third
+        BakeParams params; // the defaults: leaves of 19 mm and 300 photons, split where that blurs
+        params.octreeFirstDepth = params.octreeDepth;
         const Baked baked = bakeOctree(lit.scene, params);
         QVERIFY2(baked.error.empty(), baked.error.c_str());
         QVERIFY(baked.counters.causticPhotons > 10'000);

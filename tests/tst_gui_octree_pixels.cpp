@@ -3,6 +3,7 @@
 // points, and direct illuminance of the preview comes near the exact one where nothing is in half shadow.
 #include "core/bake/packed_octree.h"
 #include "core/base/units.h"
+#include "core/octree/detail_union.h"
 #include "core/scene/sample_scenes.h"
 #include "core/trace/direct_light.h"
 #include "gui_fixture.h"
@@ -50,6 +51,8 @@ private Q_SLOTS:
         QTest::newRow("k=4") << 4 << 0.0f << false;
         QTest::newRow("k=4, lattice shifted") << 4 << 0.5f << false;
         QTest::newRow("colour octree") << 4 << 0.5f << true;
+        QTest::newRow("leaves split") << 4 << 0.25f << false; // caustic_ring
+        QTest::newRow("leaves split, colour octree") << 4 << 0.0f << true;
     }
     void indirectEqualsLookup()
     {
@@ -61,8 +64,11 @@ private Q_SLOTS:
         params.octreeFirstDepth = params.octreeDepth = 4;
         params.vdlCount = vdls;
         params.gridShift = shift;
-        auto octree = bakeOctree(scene_, params);
-        QVERIFY(octree);
+        const bool isRing = QString(QTest::currentDataTag()).startsWith("leaves split");
+        const auto scene = isRing ? std::make_shared<const Scene>(causticRing()) : scene_;
+        if (isRing) params.photonCount = 200'000, params.octreeFirstDepth = params.octreeDepth = 5;
+        auto octree = bakeOctree(scene, params);
+        QVERIFY(octree && (!isRing || !octree->deeper().empty()));
         QFETCH(bool, asColours);
         if (asColours) octree = octree->showing(OctreeShow::colour);
         const auto gpu = makeGpuOctree(*octree);
@@ -70,10 +76,10 @@ private Q_SLOTS:
         auto renderer = Renderer::make(*gl_.gl);
         QVERIFY2(renderer, renderer ? "" : renderer.error().message.c_str());
         Renderer& draw = **renderer;
-        QVERIFY(draw.setScene(makeDrawData(scene_)));
+        QVERIFY(draw.setScene(makeDrawData(scene)));
         const auto shared = std::make_shared<GpuOctree>(*gpu);
         QVERIFY(asColours ? draw.setColours(shared) : draw.setOctree(shared));
-        FrameView frame = viewOf(*scene_, 0, kSize);
+        FrameView frame = viewOf(*scene, 0, kSize);
         if (asColours) frame.mode = ViewMode::colours;
         QVERIFY(draw.draw(frame, 0, kSize, gl_.target(), kSize));
         const auto shown = draw.illuminance(frame, true);

@@ -128,13 +128,13 @@ const Twin kTwins[] = {
          const dvec3 child = glm::mod(glm::floor(glm::floor(xyz(a)) / half), dvec3(2.0));
          const bool holds = std::max({a.x, a.y, a.z}) < 32.0;
          return dvec4(2.0 * glm::floor(xyz(b)) + child, holds); }, 0, 47.99f, false, 0},
-    {"texel", "vec4(texelIsNode(uvec4(a)) ? 1.0 : 0.0, float(texelEntries(uvec4(a))), float(texelAddress(uvec4(a))), float(texelBrick(uvec4(a)).y))",
+    {"texel", "vec4((texelIsNode(uvec4(a)) ? 1.0 : 0.0) + (texelIsSplit(uvec4(a)) ? 2.0 : 0.0), float(texelEntries(uvec4(a))), float(texelAddress(uvec4(a))), float(texelBrick(uvec4(a)).y))",
      [](vec4 a, vec4) {
          const glm::uvec4 t(bits(a.x), bits(a.y), bits(a.z), bits(a.w));
-         return vec4(shader::texelIsNode(t) ? 1 : 0, shader::texelEntries(t), shader::texelAddress(t), shader::texelBrick(t).y); },
+         return vec4((shader::texelIsNode(t) ? 1 : 0) + (shader::texelIsSplit(t) ? 2 : 0), shader::texelEntries(t), shader::texelAddress(t), shader::texelBrick(t).y); },
      [](dvec4 a, dvec4) {
          const dvec4 t = glm::floor(a);
-         return dvec4(t.w == 1.0, std::max(t.w - 1.0, 0.0), t.x + 256.0 * t.y + 65536.0 * t.z, t.y); }, 0, 255.99f, false, 0},
+         return dvec4(t.w == 1.0 ? 1.0 : t.w == 255.0 ? 2.0 : 0.0, t.w == 255.0 ? 0.0 : std::max(t.w - 1.0, 0.0), t.x + 256.0 * t.y + 65536.0 * t.z, t.y); }, 0, 255.99f, false, 0},
     {"row", "vec4(vec2(rowTexel(int(a.x), 1 + int(a.y) / 64)), 0.0, 0.0)",
      [](vec4 a, vec4) { return vec4(glm::vec2(shader::rowTexel(int(a.x), 1 + int(a.y) / 64)), 0, 0); },
      [](dvec4 a, dvec4) {

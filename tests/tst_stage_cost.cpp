@@ -81,8 +81,8 @@ private Q_SLOTS:
             names.insert(s.stage);
             QVERIFY2(s.cpuMs > 0.0 && s.wallMs > 0.0 && !s.isKept, s.stage.c_str());
         }
-        const std::set<std::string> wanted{"rays", "lamps",     "reach",     "area",      "shoot",
-                                           "tree", "octree d4", "gather d4", "octree d5", "gather d5"};
+        const std::set<std::string> wanted{"rays",      "lamps",     "reach",     "area",      "shoot", "tree",
+                                           "octree d4", "gather d4", "octree d5", "gather d5", "detail"};
         QVERIFY(names == wanted);
     }
 

@@ -65,6 +65,7 @@ Result<BakeInfo> checkInfo(const VdbFile& file, const Scene& scene)
         info.params.gatherFit = GatherFit::mean;
         info.params.gatherAdapt = Switch::off;
     }
+    if (format < 3) info.params.octreeDetail = 0; // of before leaves could be split
     for (const std::string& line : lines(file.text("lightloom.parameters"))) {
         Result<BakeParams> params = withAssignment(info.params, line);
         if (!params) return params.error();

@@ -39,6 +39,7 @@ struct BakeFile {
 ///   light-octree/d<depth>/<group>/scalar/<entry>                       lux on the entry's own surface
 ///   light-octree/d<depth>/<group>/noise/<entry>                        standard error of its luminance, lux
 ///   light-octree/d<depth>/<group>/{colour,direction}/<entry>/<slot>    the VDLs
+///   light-octree/d<depth + i>/<group>/geometry/..., .../light/...      the same of the group's deeper leaves
 ///   photon-map/d0/<group>/{position,to_light,flux,normal}/0/0          photon i at (i % 128, i / 128 % 128, i / 16384)
 ///   photon-map/d0/<group>/{irradiance,noise}/0/0                       of Christensen's cache, point i likewise, lux
 /// "/" in group ids is written %2F. The same bake gives the same bytes; nothing in it depends on time or host.
@@ -52,6 +53,6 @@ Result<Done> writeBake(const std::filesystem::path& path, const IndirectField& f
 [[nodiscard]] Result<BakeFile> readBake(const std::filesystem::path& path, const Scene& scene);
 [[nodiscard]] Result<BakeFile> bakeFromBytes(std::span<const std::uint8_t> file, const Scene& scene);
 
-inline constexpr int kBakeFormat = 2; ///< rises when older programs could misread a file
+inline constexpr int kBakeFormat = 3; ///< rises when older programs could misread a file
 
 } // namespace lightloom

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/bake/gpu_layout.h"
 #include "core/base/units.h"
+#include "core/octree/detail_union.h"
 #include "core/octree/vdl_cluster.h"
 #include "core/octree/vdl_codec.h"
 #include <Imath/half.h>
@@ -22,54 +23,91 @@ struct Texel {
 };
 using Brick = std::array<Texel, 8>;
 
+constexpr std::uint8_t kNode = 1, kSplit = 255; ///< alpha
+
 /// Turns sorted leaf codes into bricks, depth first, the root brick first.
 class BrickBuilder {
 public:
-    explicit BrickBuilder(const OctreeGeometry& geometry) : geometry_(geometry)
+    explicit BrickBuilder(const LightOctree& octree)
     {
-        if (!geometry.cells.empty()) {
-            add(0, geometry.cells.size(), 0);
-        } else {
-            bricks.emplace_back();
-            children.emplace_back();
+        levels_.push_back({&octree.geometry(), 0});
+        for (const UnionLevel& level : octree.deeper()) {
+            const Level& above = levels_.back();
+            levels_.push_back(
+                {&level.geometry, above.firstEntry + static_cast<std::uint32_t>(above.geometry->entries.size())});
         }
+        const OctreeGeometry& geometry = octree.geometry();
+        const std::uint32_t root = newBrick();
+        if (!geometry.cells.empty()) fill(root, 0, geometry.cells.size(), 0);
     }
 
     std::vector<Brick> bricks;
-    std::vector<std::array<std::uint32_t, 8>> children; ///< brick number of node texels; 0: none
+    std::vector<std::array<std::uint32_t, 8>> children; ///< brick number of texels that point to one; 0: none
 
 private:
-    std::uint32_t add(std::size_t first, std::size_t last, int level)
+    struct Level {
+        const OctreeGeometry* geometry;
+        std::uint32_t firstEntry; ///< number of its first entry among all levels'
+    };
+
+    std::uint32_t newBrick()
     {
-        const auto brick = static_cast<std::uint32_t>(bricks.size());
         bricks.emplace_back();
         children.emplace_back();
-        const int shift = 3 * (geometry_.depth - 1 - level);
+        return static_cast<std::uint32_t>(bricks.size() - 1);
+    }
+
+    void point(std::uint32_t brick, std::size_t octant, std::uint8_t alpha, std::uint32_t to)
+    {
+        children[brick][octant] = to;
+        bricks[brick][octant].a = alpha;
+    }
+
+    /// Leaves [first, last) of the octree's own depth lie in the node at `level`.
+    void fill(std::uint32_t brick, std::size_t first, std::size_t last, int level)
+    {
+        const OctreeGeometry& geometry = *levels_[0].geometry;
+        const int shift = 3 * (geometry.depth - 1 - level);
         while (first < last) {
-            const std::uint64_t child = geometry_.cells[first] >> shift;
+            const std::uint64_t child = geometry.cells[first] >> shift;
             std::size_t end = first + 1;
-            while (end < last && geometry_.cells[end] >> shift == child) ++end;
+            while (end < last && geometry.cells[end] >> shift == child) ++end;
             const std::size_t octant = child & 7;
-            if (level + 1 == geometry_.depth) {
-                bricks[brick][octant] = leaf(first);
+            if (level + 1 == geometry.depth) {
+                putLeaf(brick, octant, 0, first);
             } else {
-                const std::uint32_t node = add(first, end, level + 1);
-                children[brick][octant] = node;
-                bricks[brick][octant].a = 1;
+                const std::uint32_t node = newBrick();
+                point(brick, octant, kNode, node);
+                fill(node, first, end, level + 1);
             }
             first = end;
         }
-        return brick;
     }
 
-    [[nodiscard]] Texel leaf(std::size_t i) const
+    /// Leaf `i` of levels_[level], and what it is split into.
+    void putLeaf(std::uint32_t brick, std::size_t octant, std::size_t level, std::size_t i)
     {
-        const std::uint32_t entry = geometry_.firstEntry[i], count = geometry_.firstEntry[i + 1] - entry;
-        return {static_cast<std::uint8_t>(entry), static_cast<std::uint8_t>(entry >> 8),
-                static_cast<std::uint8_t>(entry >> 16), static_cast<std::uint8_t>(count + 1)};
+        const OctreeGeometry& geometry = *levels_[level].geometry;
+        if (level + 1 < levels_.size()) {
+            const std::vector<std::uint64_t>& below = levels_[level + 1].geometry->cells;
+            const std::uint64_t cell = geometry.cells[i];
+            auto child = std::ranges::lower_bound(below, cell << 3);
+            if (child != below.end() && *child >> 3 == cell) {
+                const std::uint32_t self = newBrick(), node = newBrick();
+                point(brick, octant, kSplit, self);
+                point(self, 1, kNode, node);
+                for (; child != below.end() && *child >> 3 == cell; ++child)
+                    putLeaf(node, *child & 7, level + 1, static_cast<std::size_t>(child - below.begin()));
+                brick = self, octant = 0;
+            }
+        }
+        const std::uint32_t entry = levels_[level].firstEntry + geometry.firstEntry[i];
+        const std::uint32_t count = geometry.firstEntry[i + 1] - geometry.firstEntry[i];
+        bricks[brick][octant] = {static_cast<std::uint8_t>(entry), static_cast<std::uint8_t>(entry >> 8),
+                                 static_cast<std::uint8_t>(entry >> 16), static_cast<std::uint8_t>(count + 1)};
     }
 
-    const OctreeGeometry& geometry_;
+    std::vector<Level> levels_;
 };
 
 void layOutBricks(const BrickBuilder& built, GpuOctree& gpu)
@@ -84,10 +122,10 @@ void layOutBricks(const BrickBuilder& built, GpuOctree& gpu)
         const glm::uvec3 corner = 2u * place(b);
         for (std::size_t i = 0; i < 8; ++i) {
             Texel texel = built.bricks[b][i];
-            if (texel.a == 1) {
+            if (texel.a == kNode || texel.a == kSplit) {
                 const glm::uvec3 child = place(built.children[b][i]);
                 texel = {static_cast<std::uint8_t>(child.x), static_cast<std::uint8_t>(child.y),
-                         static_cast<std::uint8_t>(child.z), 1};
+                         static_cast<std::uint8_t>(child.z), texel.a};
             }
             const glm::uvec3 at = corner + glm::uvec3(i & 1, i >> 1 & 1, i >> 2 & 1);
             std::uint8_t* out = gpu.bricks.data() + 4 * ((at.z * down + at.y) * across + at.x);
@@ -96,21 +134,38 @@ void layOutBricks(const BrickBuilder& built, GpuOctree& gpu)
     }
 }
 
+/// Visits every entry in the order of their numbers: those of the octree's own depth first, then level by level.
+template<class Visit>
+void forEntries(const LightOctree& octree, const Visit& visit)
+{
+    for (std::size_t e = 0; e < octree.geometry().entries.size(); ++e) visit(LightOctree::At{e, 0});
+    for (std::size_t level = 0; level < octree.deeper().size(); ++level) {
+        const std::size_t count = octree.deeper()[level].geometry.entries.size();
+        for (std::size_t e = 0; e < count; ++e) visit(LightOctree::At{e, level + 1});
+    }
+}
+
 /// What every entry holds under the mix, `gpu.vdlCount` each.
 std::vector<Vdl> mixAll(const LightOctree& octree, const GpuOctree& gpu)
 {
-    const auto count = static_cast<std::size_t>(gpu.vdlCount);
     std::vector<Vdl> all;
-    all.reserve(octree.geometry().entries.size() * count);
-    for (std::uint32_t e = 0; e < octree.geometry().entries.size(); ++e) {
+    all.reserve(gpu.entryCount * static_cast<std::size_t>(gpu.vdlCount));
+    forEntries(octree, [&](LightOctree::At at) {
         if (!gpu.hasDirections) {
-            all.push_back({octree.mixedColour(e), octree.geometry().entries[e].normal});
-            continue;
+            all.push_back({octree.mixedColour(at), octree.surface(at).normal});
+            return;
         }
-        const std::vector<Vdl> some = octree.mixed(e, gpu.vdlCount);
+        const std::vector<Vdl> some = octree.mixed(at, gpu.vdlCount);
         all.insert(all.end(), some.begin(), some.end());
-    }
+    });
     return all;
+}
+
+std::vector<glm::vec3> normalsOf(const LightOctree& octree)
+{
+    std::vector<glm::vec3> normals;
+    forEntries(octree, [&](LightOctree::At at) { normals.push_back(octree.surface(at).normal); });
+    return normals;
 }
 
 /// Power of two that brings the brightest colour just below the end of the half floats.
@@ -121,7 +176,7 @@ float scaleFor(const std::vector<Vdl>& vdls)
     return most > 0.0f ? std::exp2(std::ceil(std::log2(most / kMostColour))) : 1.0f;
 }
 
-void packVdls(const LightOctree& octree, const std::vector<Vdl>& vdls, GpuOctree& gpu)
+void packVdls(const std::vector<glm::vec3>& normals, const std::vector<Vdl>& vdls, GpuOctree& gpu)
 {
     gpu.colourScale = scaleFor(vdls);
     gpu.vdls.assign(4 * static_cast<std::size_t>(gpu.vdlWidth) * static_cast<std::size_t>(gpu.vdlHeight), 0);
@@ -129,7 +184,7 @@ void packVdls(const LightOctree& octree, const std::vector<Vdl>& vdls, GpuOctree
     for (std::size_t i = 0; i < vdls.size(); ++i) {
         if (i % static_cast<std::size_t>(gpu.vdlCount) == 0) next = i;
         const std::uint16_t direction = gpu.hasDirections ? packDirection(vdls[i].toLight) : std::uint16_t(0);
-        const glm::vec3 n = octree.geometry().entries[i / static_cast<std::size_t>(gpu.vdlCount)].normal;
+        const glm::vec3 n = normals[i / static_cast<std::size_t>(gpu.vdlCount)];
         // the rounded direction meets the surface at another angle: keep what it gives on the entry's own normal
         const float was = glm::dot(vdls[i].toLight, n), is = glm::dot(unpackDirection(direction), n);
         const float keep = gpu.hasDirections && was > kLeastCosine && is > kLeastCosine ? was / is : 1.0f;
@@ -141,11 +196,11 @@ void packVdls(const LightOctree& octree, const std::vector<Vdl>& vdls, GpuOctree
     }
 }
 
-void packNormals(const OctreeGeometry& geometry, GpuOctree& gpu)
+void packNormals(const std::vector<glm::vec3>& normals, GpuOctree& gpu)
 {
     gpu.normals.assign(2 * static_cast<std::size_t>(gpu.normalWidth) * static_cast<std::size_t>(gpu.normalHeight), 0);
-    for (std::size_t e = 0; e < geometry.entries.size(); ++e) {
-        const std::uint16_t packed = packDirection(geometry.entries[e].normal);
+    for (std::size_t e = 0; e < normals.size(); ++e) {
+        const std::uint16_t packed = packDirection(normals[e]);
         gpu.normals[2 * e] = static_cast<std::uint8_t>(packed >> 8);
         gpu.normals[2 * e + 1] = static_cast<std::uint8_t>(packed & 255);
     }
@@ -182,6 +237,7 @@ Result<GpuOctree> makeGpuOctree(const LightOctree& octree)
     const OctreeGeometry& geometry = octree.geometry();
     GpuOctree gpu;
     gpu.depth = geometry.depth;
+    gpu.deepest = geometry.depth + static_cast<int>(octree.deeper().size());
     gpu.lowest = geometry.lowest;
     gpu.rootSize = geometry.rootSize;
     gpu.hasDirections = octree.show() == OctreeShow::lights;
@@ -190,26 +246,33 @@ Result<GpuOctree> makeGpuOctree(const LightOctree& octree)
     }
     gpu.leafCount = geometry.cells.size();
     gpu.entryCount = geometry.entries.size();
+    for (const UnionLevel& level : octree.deeper()) {
+        gpu.leafCount += level.geometry.cells.size();
+        gpu.entryCount += level.geometry.entries.size();
+    }
     const std::uint64_t texels = gpu.entryCount * static_cast<std::uint64_t>(gpu.vdlCount);
     if (texels > kMostWidth * kMostWidth) {
         return Error{Error::Kind::unsupported,
                      fmt::format("{} entries with {} lights each need {} texels and 24 bits address {}; lower "
-                                 "octree.depth or vdl.count",
+                                 "octree.depth, octree.detail or vdl.count",
                                  gpu.entryCount, gpu.vdlCount, texels, kMostWidth * kMostWidth)};
     }
-    const BrickBuilder built(geometry);
+    const BrickBuilder built(octree);
     const std::optional<glm::ivec3> side = brickBox(built.bricks.size());
     if (!side) {
-        return Error{Error::Kind::unsupported,
-                     fmt::format("{} octree nodes do not fit a 3D texture of {} bricks a side; lower octree.depth",
-                                 built.bricks.size(), kMostBrickSide)};
+        return Error{
+            Error::Kind::unsupported,
+            fmt::format(
+                "{} octree nodes do not fit a 3D texture of {} bricks a side; lower octree.depth or octree.detail",
+                built.bricks.size(), kMostBrickSide)};
     }
     gpu.side = *side;
     shape(texels, gpu.vdlWidth, gpu.vdlHeight);
     shape(gpu.entryCount, gpu.normalWidth, gpu.normalHeight);
     layOutBricks(built, gpu);
-    packVdls(octree, mixAll(octree, gpu), gpu);
-    packNormals(geometry, gpu);
+    const std::vector<glm::vec3> normals = normalsOf(octree);
+    packVdls(normals, mixAll(octree, gpu), gpu);
+    packNormals(normals, gpu);
     return gpu;
 }
 

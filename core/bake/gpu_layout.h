@@ -12,15 +12,17 @@ namespace lightloom {
 ///
 /// `bricks` is a 3D texture RGBA8UI of 2x2x2 bricks. Brick b stands at brick coordinates
 /// (b % side.x, b / side.x % side.y, b / (side.x * side.y)); its texel for child (x,y,z) lies at 2 * those + (x,y,z).
-/// The root is brick 0. A texel's A: 0 empty, 1 node (RGB = brick coordinates of the child), 2.. leaf with A - 1
-/// entries (R + 256 G + 65536 B = number of its first entry). Entry e has `vdlCount` texels in `vdls` (RGBA16UI: colour
-/// as half floats, times `colourScale` gives lux; direction in the fourth as theta 8 bits high, phi 8 bits low), texel
-/// number e * vdlCount + j, at (number % vdlWidth, number / vdlWidth), black ones last; and one texel in `normals`
-/// (RG8UI: theta, phi), at (e % normalWidth, e / normalWidth).
+/// The root is brick 0. A texel's A: 0 empty, 1 node (RGB = brick coordinates of the child), 2..33 leaf with A - 1
+/// entries (R + 256 G + 65536 B = number of its first entry), 255 leaf that is split further (RGB = brick coordinates
+/// of a brick that holds the leaf itself at (0,0,0) and at (1,0,0) a node with its children). Entry e has `vdlCount`
+/// texels in `vdls` (RGBA16UI: colour as half floats, times `colourScale` gives lux; direction in the fourth as theta 8
+/// bits high, phi 8 bits low), texel number e * vdlCount + j, at (number % vdlWidth, number / vdlWidth), black ones
+/// last; and one texel in `normals` (RG8UI: theta, phi), at (e % normalWidth, e / normalWidth).
 ///
 /// A colour octree (OctreeShow::colour) has one texel per entry, its accumulated illuminance, and no directions.
 struct GpuOctree {
     int depth = 0;
+    int deepest = 0;        ///< of any leaf; `depth` where none is split
     glm::vec3 lowest{0.0f}; ///< corner of the root cell, scene space
     float rootSize = 1.0f;  ///< side of the root cell, metres
     glm::ivec3 side{1};     ///< bricks per axis of `bricks`, at most 128; the texture has 2 * side texels

@@ -8,6 +8,9 @@ namespace lightloom {
 namespace {
 
 std::string prefixOf(int depth) { return fmt::format("light-octree/d{}/", depth); }
+constexpr const char* kDeeper = "light"; ///< in place of the group, which stands in the prefix
+/// Of a light group's deeper leaves.
+std::string prefixOf(int depth, const std::string& group) { return fmt::format("light-octree/d{}/{}/", depth, group); }
 std::string normalName(std::uint32_t e) { return fmt::format("geometry/normal/{}", e); }
 std::string centroidName(std::uint32_t e) { return fmt::format("geometry/centroid/{}", e); }
 std::string areaName(std::uint32_t e) { return fmt::format("geometry/area/{}", e); }
@@ -40,9 +43,9 @@ std::vector<Slot> slotsOf(const OctreeGeometry& geometry)
 
 class Writer {
 public:
-    Writer(const OctreeGeometry& geometry, const Scene& scene, VdbFile& file)
-        : geometry_(geometry), file_(file), lattice_{scene.toFile(geometry.lowest), double(geometry.cellSize())},
-          slots_(slotsOf(geometry))
+    Writer(const OctreeGeometry& geometry, std::string prefix, const Scene& scene, VdbFile& file)
+        : geometry_(geometry), prefix_(std::move(prefix)),
+          file_(file), lattice_{scene.toFile(geometry.lowest), double(geometry.cellSize())}, slots_(slotsOf(geometry))
     {
     }
 
@@ -75,10 +78,11 @@ private:
     {
         std::vector<decltype(valueOf(0))> values;
         for (const std::uint32_t entry : slots_[e].entries) values.push_back(valueOf(entry));
-        file_.add(prefixOf(geometry_.depth) + name, lattice_, slots_[e].cells, std::span(std::as_const(values)));
+        file_.add(prefix_ + name, lattice_, slots_[e].cells, std::span(std::as_const(values)));
     }
 
     const OctreeGeometry& geometry_;
+    std::string prefix_;
     VdbFile& file_;
     VdbFile::Lattice lattice_;
     std::vector<Slot> slots_;
@@ -86,12 +90,12 @@ private:
 
 class Reader {
 public:
-    explicit Reader(const VdbFile& file) : file_(file), geometry_(std::make_shared<OctreeGeometry>())
+    Reader(const VdbFile& file, int depth, std::string prefix)
+        : file_(file), prefix_(std::move(prefix)), geometry_(std::make_shared<OctreeGeometry>())
     {
-        geometry_->depth = static_cast<int>(file.integer("lightloom.depth"));
+        geometry_->depth = depth;
         geometry_->lowest = file.vector("lightloom.lowest");
         geometry_->rootSize = file.number("lightloom.root_size");
-        prefix_ = prefixOf(geometry_->depth);
         cells();
         entries();
     }
@@ -185,22 +189,50 @@ void storeOctree(const LightOctree& octree, const Scene& scene, VdbFile& file)
     file.set("lightloom.vdls", std::int64_t(vdls));
     file.set("lightloom.lowest", geometry.lowest);
     file.set("lightloom.root_size", geometry.rootSize);
-    Writer writer(geometry, scene, file);
+    Writer writer(geometry, prefixOf(geometry.depth), scene, file);
     writer.geometry();
-    for (const auto& layer : octree.layers()) {
-        if (layer) writer.layer(*layer, escaped(scene.groups[static_cast<std::size_t>(layer->group)].id));
+    for (std::size_t g = 0; g < octree.layers().size(); ++g) {
+        if (!octree.layers()[g]) continue;
+        const VdlLayer& layer = *octree.layers()[g];
+        const std::string group = escaped(scene.groups[static_cast<std::size_t>(layer.group)].id);
+        writer.layer(layer, group);
+        for (const DetailLevel& level : octree.detail(g)) {
+            Writer deeper(*level.geometry, prefixOf(level.geometry->depth, group), scene, file);
+            deeper.geometry();
+            deeper.layer(*level.layer, kDeeper);
+        }
     }
 }
+
+namespace {
+
+std::shared_ptr<const LampDetail> readDetail(const VdbFile& file, int depth, const std::string& group, int number)
+{
+    auto detail = std::make_shared<LampDetail>();
+    for (int d = depth + 1; file.contains(prefixOf(d, group) + normalName(0)); ++d) {
+        const Reader reader(file, d, prefixOf(d, group));
+        detail->push_back({reader.geometry(), reader.layer(kDeeper, number)});
+    }
+    return detail;
+}
+
+} // namespace
 
 std::shared_ptr<const LightOctree> readOctree(const VdbFile& file, const Scene& scene, const std::vector<bool>& isOn,
                                               VdlForm form)
 {
-    const Reader reader(file);
+    const int depth = static_cast<int>(file.integer("lightloom.depth"));
+    const Reader reader(file, depth, prefixOf(depth));
     std::vector<std::shared_ptr<const VdlLayer>> layers;
+    std::vector<std::shared_ptr<const LampDetail>> details;
     for (std::size_t g = 0; g < isOn.size(); ++g) {
-        layers.push_back(isOn[g] ? reader.layer(escaped(scene.groups[g].id), static_cast<int>(g)) : nullptr);
+        const std::string group = escaped(scene.groups[g].id);
+        const int number = static_cast<int>(g);
+        layers.push_back(isOn[g] ? reader.layer(group, number) : nullptr);
+        details.push_back(isOn[g] ? readDetail(file, depth, group, number) : nullptr);
     }
-    return std::make_shared<LightOctree>(reader.geometry(), std::move(layers), form, Mix{});
+    return std::make_shared<LightOctree>(reader.geometry(), std::move(layers), form, Mix{}, OctreeShow::lights,
+                                         std::move(details));
 }
 
 } // namespace lightloom

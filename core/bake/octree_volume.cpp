@@ -3,25 +3,13 @@
 #include "core/bake/vdb_file.h"
 #include "core/bake/vdb_seal.h"
 #include "core/base/units.h"
-#include "core/octree/light_octree.h"
+#include "core/octree/detail_union.h"
 #include "core/params/param_text.h"
 #include "core/trace/cell_clip.h"
 #include <fmt/format.h>
 
 namespace lightloom {
 namespace {
-
-/// Lux per channel of each entry on its own surface, all lamps under the mix.
-std::vector<glm::vec3> litEntries(const LightOctree& octree)
-{
-    std::vector<glm::vec3> lux(octree.geometry().entries.size(), glm::vec3(0.0f));
-    for (const auto& layer : octree.layers()) {
-        if (!layer) continue;
-        const glm::vec3 gain = gainOf(octree.mix(), layer->group);
-        for (std::size_t e = 0; e < lux.size(); ++e) lux[e] += gain * layer->scalar[e];
-    }
-    return lux;
-}
 
 /// What each leaf shows of its entries.
 struct Leaves {
@@ -31,10 +19,17 @@ struct Leaves {
     std::vector<float> illuminance, area;
 };
 
-Leaves leavesOf(const LightOctree& octree)
+/// Of the octree's own depth (level 0), or of a deeper level.
+const OctreeGeometry& geometryAt(const LightOctree& octree, std::size_t level)
 {
-    const OctreeGeometry& geometry = octree.geometry();
-    const std::vector<glm::vec3> lux = litEntries(octree);
+    return level == 0 ? octree.geometry() : octree.deeper()[level - 1].geometry;
+}
+
+Leaves leavesOf(const LightOctree& octree, std::size_t level)
+{
+    const OctreeGeometry& geometry = geometryAt(octree, level);
+    std::vector<glm::vec3> lux; // of each entry on its own surface, all lamps under the mix
+    for (std::size_t e = 0; e < geometry.entries.size(); ++e) lux.push_back(octree.mixedColour({e, level}));
     Leaves leaves;
     for (std::size_t i = 0; i < geometry.cells.size(); ++i) {
         glm::dvec3 sum(0.0);
@@ -68,17 +63,15 @@ void describe(const BakeInfo& info, VdbFile& file)
     }
 }
 
-} // namespace
-
-Result<std::vector<std::uint8_t>> octreeVolume(const LightOctree& octree, const BakeInfo& info, const Scene& scene)
-try {
-    const OctreeGeometry& geometry = octree.geometry();
+/// The grids of one level; those of deeper leaves have their depth in their names.
+void addLevel(const LightOctree& octree, std::size_t level, const Scene& scene, VdbFile& file)
+{
+    const OctreeGeometry& geometry = geometryAt(octree, level);
     const VdbFile::Lattice lattice{scene.toFile(geometry.lowest), double(geometry.cellSize())};
-    const Leaves leaves = leavesOf(octree);
-    VdbFile file;
-    describe(info, file);
+    const Leaves leaves = leavesOf(octree, level);
+    const std::string suffix = level == 0 ? "" : fmt::format("_depth{}", geometry.depth);
     const auto add = [&](const std::string& name, const auto& values) {
-        file.add(name, lattice, leaves.cells, std::span(values));
+        file.add(name + suffix, lattice, leaves.cells, std::span(values));
     };
     add("irradiance", leaves.irradiance);
     add("illuminance", leaves.illuminance);
@@ -90,7 +83,7 @@ try {
     std::vector<std::vector<glm::vec3>> colours(static_cast<std::size_t>(most)), directions(colours);
     for (const std::uint32_t e : leaves.largest) {
         normals.push_back(geometry.entries[e].normal);
-        const std::vector<Vdl> vdls = octree.mixed(e, most);
+        const std::vector<Vdl> vdls = octree.mixed({e, level}, most);
         for (std::size_t j = 0; j < vdls.size(); ++j) {
             colours[j].push_back(vdls[j].colour);
             directions[j].push_back(vdls[j].toLight);
@@ -101,6 +94,15 @@ try {
         add(fmt::format("vdl{}_colour", j), colours[j]);
         add(fmt::format("vdl{}_direction", j), directions[j]);
     }
+}
+
+} // namespace
+
+Result<std::vector<std::uint8_t>> octreeVolume(const LightOctree& octree, const BakeInfo& info, const Scene& scene)
+try {
+    VdbFile file;
+    describe(info, file);
+    for (std::size_t level = 0; level <= octree.deeper().size(); ++level) addLevel(octree, level, scene, file);
     const std::string bytes = withContentUuid(file.bytes());
     return std::vector<std::uint8_t>(bytes.begin(), bytes.end());
 } catch (const std::bad_alloc&) {

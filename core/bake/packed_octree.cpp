@@ -12,8 +12,9 @@ namespace {
 /// The arrays as the shader sees them: reads by texel, and the text that walks over them.
 struct OctreeArrays {
     explicit OctreeArrays(const GpuOctree& octree)
-        : arrays(octree), depth(octree.depth), vdlCount(octree.vdlCount), hasDirections(octree.hasDirections ? 1 : 0),
-          lowest(octree.lowest), cellSize(std::ldexp(octree.rootSize, -octree.depth)), colourScale(octree.colourScale)
+        : arrays(octree), depth(octree.depth), deepest(octree.deepest), vdlCount(octree.vdlCount),
+          hasDirections(octree.hasDirections ? 1 : 0), lowest(octree.lowest),
+          cellSize(std::ldexp(octree.rootSize, -octree.depth)), colourScale(octree.colourScale)
     {
     }
 
@@ -34,8 +35,10 @@ struct OctreeArrays {
         return {t[0], t[1]};
     }
 
+    [[nodiscard]] vec3 entryValue(int entry, vec3 n) { return entryIlluminance(entry, n); }
+
     const GpuOctree& arrays;
-    int depth, vdlCount, hasDirections;
+    int depth, deepest, vdlCount, hasDirections;
     vec3 lowest;
     float cellSize, colourScale;
 
@@ -50,9 +53,9 @@ struct OctreeArrays {
 std::optional<glm::vec3> packedIlluminance(const GpuOctree& octree, glm::vec3 p, glm::vec3 n)
 {
     shader::OctreeArrays arrays(octree);
-    const glm::vec4 light = arrays.octreeIlluminance(p, n);
+    const glm::vec4 light = arrays.octreeBlend(p, n);
     if (!(light.w > 0.0f)) return std::nullopt;
-    return glm::vec3(light.x, light.y, light.z);
+    return octree.colourScale * glm::vec3(light.x, light.y, light.z);
 }
 
 Result<std::shared_ptr<const PackedOctree>> PackedOctree::make(std::shared_ptr<const LightOctree> octree)

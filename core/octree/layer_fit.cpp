@@ -15,17 +15,36 @@ std::shared_ptr<VdlLayer> emptyLayer(const OctreeGeometry& geometry, int group, 
     return layer;
 }
 
+LeafKernels LeafKernels::of(const OctreeGeometry& geometry, const PhotonMap& map, const SurfaceArea& area,
+                            const BakeParams& params)
+{
+    LeafKernels kernels;
+    if (geometry.depth <= params.octreeDepth) {
+        kernels.usual = DensityKernel::of(params, map, area, geometry.cellSize());
+        return kernels;
+    }
+    const float baseSize = geometry.rootSize / static_cast<float>(1u << params.octreeDepth);
+    kernels.isDetail = true;
+    kernels.usual = kernels.sparse = DensityKernel::of(params, map, area, baseSize);
+    kernels.usual.cap = glm::min(kernels.usual.cap, kDetailRadius * geometry.cellSize());
+    kernels.sparse.count = glm::min(kernels.sparse.count, kDetailPhotons);
+    return kernels;
+}
+
 LayerFit::LayerFit(const OctreeGeometry& geometry, const PhotonMap& map, const SurfaceArea& area,
                    const BakeParams& params, VdlLayer& layer)
     : geometry_(geometry), map_(map), area_(area), form_(params.vdlForm), layer_(layer),
-      kernel_(DensityKernel::of(params, map, area, geometry.cellSize()))
+      kernels_(LeafKernels::of(geometry, map, area, params))
 {
 }
 
 bool LayerFit::fit(std::uint32_t e, FitScratch& s) const
 {
     const OctreeEntry& entry = geometry_.entries[e];
-    const Density density = estimateDensity(map_, area_, kernel_, entry.centroid, entry.normal, s.gathered);
+    s.density = estimateDensity(map_, area_, kernels_.usual, entry.centroid, entry.normal, s.gathered);
+    if (kernels_.isDetail && s.gathered.photons.size() < kernels_.sparse.count)
+        s.density = estimateDensity(map_, area_, kernels_.sparse, entry.centroid, entry.normal, s.gathered);
+    const Density& density = s.density;
     s.lights.clear();
     for (const std::uint32_t number : s.gathered.photons) {
         const Photon& photon = map_.photon(number);

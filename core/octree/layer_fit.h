@@ -11,10 +11,23 @@ struct FitScratch {
     Gathered gathered; ///< of the entry that was fitted last
     ClusterScratch clusters;
     std::vector<LightVector> lights;
+    Density density; ///< of the entry that was fitted last
 };
 
 /// A layer with room for every entry of the geometry, all black.
 [[nodiscard]] std::shared_ptr<VdlLayer> emptyLayer(const OctreeGeometry& geometry, int group, const BakeParams& params);
+
+/// Kernels for the leaves of a geometry. Leaves deeper than octree.depth are there to show what larger kernels blur:
+/// theirs are no wider than kDetailRadius leaves, unless it takes more to hold kDetailPhotons.
+struct LeafKernels {
+    DensityKernel usual;
+    DensityKernel sparse; ///< in place of `usual` where that holds fewer than `sparse.count` photons
+    bool isDetail = false;
+    static LeafKernels of(const OctreeGeometry& geometry, const PhotonMap& map, const SurfaceArea& area,
+                          const BakeParams& params);
+};
+inline constexpr float kDetailRadius = 1.5f;
+inline constexpr std::uint32_t kDetailPhotons = 24; ///< few enough for a gap, enough not to show as a dark speck
 
 /// Gathers and clusters the entries of one layer. Any number of threads may fit different entries.
 class LayerFit {
@@ -23,7 +36,7 @@ public:
              VdlLayer& layer);
     /// True if the entry's kernel had no area worth the name.
     bool fit(std::uint32_t e, FitScratch& s) const;
-    [[nodiscard]] const DensityKernel& kernel() const { return kernel_; }
+    [[nodiscard]] const DensityKernel& kernel() const { return kernels_.usual; }
 
 private:
     const OctreeGeometry& geometry_;
@@ -31,7 +44,7 @@ private:
     const SurfaceArea& area_;
     VdlForm form_;
     VdlLayer& layer_;
-    DensityKernel kernel_;
+    LeafKernels kernels_;
 };
 
 } // namespace lightloom

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/octree/leaf_pick.h"
+#include "core/octree/detail_union.h"
 #include "core/octree/layer_fit.h"
+#include "core/octree/octree_blend.h"
 #include "core/trace/cell_clip.h"
 #include <algorithm>
 
@@ -36,9 +38,17 @@ int answering(const std::vector<PickedEntry>& entries, glm::vec3 n)
 
 std::optional<LeafPick> pickLeaf(const LightOctree& octree, glm::vec3 p, glm::vec3 n)
 {
-    const OctreeGeometry& geometry = octree.geometry();
-    const std::int64_t found = leafNear(geometry, p, n);
+    std::size_t level = octree.deeper().size();
+    const auto leaves = [&]() -> const OctreeGeometry& {
+        return level == 0 ? octree.geometry() : octree.deeper()[level - 1].geometry;
+    };
+    std::int64_t found = leafNear(leaves(), p, n); // the deepest of any lamp
+    while (found < 0 && level > 0) {
+        --level;
+        found = leafNear(leaves(), p, n);
+    }
     if (found < 0) return std::nullopt;
+    const OctreeGeometry& geometry = leaves();
     const auto leaf = static_cast<std::size_t>(found);
     LeafPick pick;
     pick.point = p;
@@ -50,7 +60,7 @@ std::optional<LeafPick> pickLeaf(const LightOctree& octree, glm::vec3 p, glm::ve
     int most = 1;
     for (const auto& layer : octree.layers()) most = layer ? std::max(most, layer->count) : most;
     for (std::uint32_t e = geometry.firstEntry[leaf]; e < geometry.firstEntry[leaf + 1]; ++e) {
-        PickedEntry entry{geometry.entries[e], octree.mixed(e, most), glm::vec3(0.0f)};
+        PickedEntry entry{geometry.entries[e], octree.mixed({e, level}, most), glm::vec3(0.0f)};
         std::erase_if(entry.lights, [](const Vdl& vdl) { return vdl.colour == glm::vec3(0.0f); });
         for (const Vdl& vdl : entry.lights) {
             entry.lux += vdl.colour * glm::max(0.0f, glm::dot(entry.surface.normal, vdl.toLight));
@@ -66,8 +76,25 @@ std::vector<glm::vec3> gatheredPhotons(const LightOctree& octree, const LeafPick
                                        const SurfaceArea& area, const BakeParams& params)
 {
     const OctreeGeometry& whole = octree.geometry();
-    OctreeGeometry alone{whole.depth, whole.lowest, whole.rootSize, {mortonCode(glm::uvec3(leaf.cell))}, {0, 1}, {}};
-    alone.entries.push_back(leaf.entries[static_cast<std::size_t>(entry)].surface);
+    OctreeEntry surface = leaf.entries[static_cast<std::size_t>(entry)].surface;
+    int depth = leaf.depth;
+    glm::ivec3 cell = leaf.cell;
+    const auto own = [&](int d) { // the lamp's leaves of that depth, null where it has none
+        const std::size_t level = static_cast<std::size_t>(d - whole.depth);
+        for (std::size_t g = 0; level > 0 && g < octree.layers().size(); ++g) {
+            if (octree.layers()[g] && octree.layers()[g]->group == map.paths().group)
+                return level <= octree.detail(g).size() ? octree.detail(g)[level - 1].geometry.get() : nullptr;
+        }
+        return level == 0 ? &whole : nullptr;
+    };
+    while (depth > whole.depth && (!own(depth) || own(depth)->leafAt(cell) < 0)) --depth, cell = cell >> 1;
+    if (depth < leaf.depth) { // this lamp's light does not call for a leaf as deep
+        const std::int64_t at = own(depth)->leafAt(cell);
+        const std::int64_t covers = at < 0 ? -1 : entryFor(*own(depth), at, surface.normal);
+        if (covers < 0) return {};
+        surface = own(depth)->entries[static_cast<std::size_t>(covers)];
+    }
+    OctreeGeometry alone{depth, whole.lowest, whole.rootSize, {mortonCode(glm::uvec3(cell))}, {0, 1}, {surface}};
     const auto layer = emptyLayer(alone, 0, params);
     FitScratch scratch;
     (void)LayerFit(alone, map, area, params, *layer).fit(0, scratch);

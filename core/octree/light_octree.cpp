@@ -2,6 +2,8 @@
 #include "core/octree/light_octree.h"
 #include "core/base/units.h"
 #include "core/field/solver.h"
+#include "core/octree/detail_union.h"
+#include "core/octree/octree_blend.h"
 #include "core/octree/vdl_cluster.h"
 #include "core/trace/cell_clip.h"
 #include <algorithm>
@@ -19,106 +21,142 @@ std::int64_t OctreeGeometry::leafAt(glm::ivec3 cell) const
     return at != cells.end() && *at == code ? at - cells.begin() : -1;
 }
 
-LightOctree::LightOctree(std::shared_ptr<const OctreeGeometry> geometry,
-                         std::vector<std::shared_ptr<const VdlLayer>> layers, VdlForm form, Mix mix, OctreeShow show)
-    : geometry_(std::move(geometry)), layers_(std::move(layers)), form_(form), mix_(std::move(mix)), show_(show)
+bool OctreeGeometry::splits(glm::ivec3 parent) const
 {
+    const int side = 1 << (depth - 1);
+    if (glm::any(glm::lessThan(parent, glm::ivec3(0))) || glm::any(glm::greaterThanEqual(parent, glm::ivec3(side))))
+        return false;
+    const std::uint64_t code = mortonCode(glm::uvec3(parent));
+    const auto at = std::ranges::lower_bound(cells, code << 3);
+    return at != cells.end() && *at >> 3 == code;
+}
+
+LightOctree::LightOctree(std::shared_ptr<const OctreeGeometry> geometry,
+                         std::vector<std::shared_ptr<const VdlLayer>> layers, VdlForm form, Mix mix, OctreeShow show,
+                         std::vector<std::shared_ptr<const LampDetail>> details)
+    : geometry_(std::move(geometry)), layers_(std::move(layers)), form_(form), mix_(std::move(mix)), show_(show),
+      details_(std::move(details)),
+      deeper_(std::make_shared<const std::vector<UnionLevel>>(uniteDetails(*geometry_, details_)))
+{
+}
+
+LightOctree::LightOctree(const LightOctree& other, Mix mix, OctreeShow show)
+    : geometry_(other.geometry_), layers_(other.layers_), form_(other.form_), mix_(std::move(mix)), show_(show),
+      details_(other.details_), deeper_(other.deeper_)
+{
+}
+
+const LampDetail& LightOctree::detail(std::size_t layer) const
+{
+    static const LampDetail none;
+    return layer < details_.size() && details_[layer] ? *details_[layer] : none;
+}
+
+template<class ValueOf>
+auto LightOctree::blended(std::size_t g, glm::vec3 p, glm::vec3 n, const Answers& coarse, const ValueOf& valueOf) const
+{
+    const VdlLayer& layer = *layers_[g];
+    const auto own = coarse.mean([&](std::size_t entry) { return valueOf(layer, entry); }) / coarse.sum;
+    return refined(own, *geometry_, detail(g), p, n, valueOf);
+}
+
+bool LightOctree::lookup(glm::vec3 p, glm::vec3 n, glm::vec3& lux) const
+{
+    lux = glm::vec3(0.0f);
+    const Answers coarse = answersAround(*geometry_, p, n);
+    if (!(coarse.sum > 0.0f)) return false;
+    const auto value = [&](const VdlLayer& layer, std::size_t entry) { return valueOf(layer, entry, n); };
+    for (std::size_t g = 0; g < layers_.size(); ++g) {
+        if (layers_[g]) lux += gainOf(mix_, layers_[g]->group) * blended(g, p, n, coarse, value);
+    }
+    return true;
+}
+
+glm::vec3 LightOctree::valueOf(const VdlLayer& layer, std::size_t entry, glm::vec3 n) const
+{
+    if (show_ == OctreeShow::colour) return layer.scalar[entry];
+    glm::vec3 lux(0.0f);
+    for (const Vdl& vdl : layer.of(entry)) lux += vdl.colour * glm::max(0.0f, glm::dot(n, vdl.toLight));
+    return lux;
+}
+
+const OctreeEntry& LightOctree::surface(At at) const
+{
+    return at.level == 0 ? geometry_->entries[at.entry] : (*deeper_)[at.level - 1].geometry.entries[at.entry];
+}
+
+std::int64_t LightOctree::ownEntry(std::size_t g, At at) const
+{
+    if (at.level == 0) return static_cast<std::int64_t>(at.entry);
+    const std::vector<std::int32_t>& own = (*deeper_)[at.level - 1].own[g];
+    return own.empty() ? -1 : own[at.entry];
+}
+
+glm::vec3 LightOctree::mixedColour(At at) const
+{
+    glm::vec3 sum(0.0f);
+    for (std::size_t g = 0; g < layers_.size(); ++g) {
+        if (!layers_[g]) continue;
+        const glm::vec3 gain = gainOf(mix_, layers_[g]->group);
+        if (const std::int64_t own = ownEntry(g, at); own >= 0) {
+            const VdlLayer& layer = at.level == 0 ? *layers_[g] : *detail(g)[at.level - 1].layer;
+            sum += gain * layer.scalar[static_cast<std::size_t>(own)];
+        } else {
+            const OctreeEntry& e = surface(at);
+            const auto scalar = [](const VdlLayer& layer, std::size_t entry) { return layer.scalar[entry]; };
+            const Answers coarse = answersAround(*geometry_, e.centroid, e.normal);
+            if (coarse.sum > 0.0f) sum += gain * blended(g, e.centroid, e.normal, coarse, scalar);
+        }
+    }
+    return sum;
+}
+
+/// Lights of one layer at its own intensity. Of a lamp that has no leaf there: those of its leaf that covers the place,
+/// scaled to what it gives there.
+std::vector<Vdl> LightOctree::lightsOf(std::size_t g, At at) const
+{
+    const auto copy = [](std::span<const Vdl> lights) { return std::vector<Vdl>(lights.begin(), lights.end()); };
+    if (const std::int64_t own = ownEntry(g, at); own >= 0) {
+        const VdlLayer& layer = at.level == 0 ? *layers_[g] : *detail(g)[at.level - 1].layer;
+        return copy(layer.of(static_cast<std::size_t>(own)));
+    }
+    const OctreeEntry& e = surface(at);
+    const Answers coarse = answersAround(*geometry_, e.centroid, e.normal);
+    if (!(coarse.sum > 0.0f)) return {};
+    const auto nearest = std::ranges::max_element(coarse.weights.begin(), coarse.weights.begin() + coarse.count);
+    std::vector<Vdl> lights =
+        copy(layers_[g]->of(coarse.entries[static_cast<std::size_t>(nearest - coarse.weights.begin())]));
+    const auto value = [&](const VdlLayer& layer, std::size_t entry) {
+        glm::vec3 lux(0.0f);
+        for (const Vdl& vdl : layer.of(entry)) lux += vdl.colour * glm::max(0.0f, glm::dot(e.normal, vdl.toLight));
+        return lux;
+    };
+    scaleTo(blended(g, e.centroid, e.normal, coarse, value), e.normal, lights);
+    return lights;
 }
 
 namespace {
 
-/// Entry of a leaf whose normal is nearest `n`, or -1 where none is compatible.
-std::int64_t entryFor(const OctreeGeometry& geometry, std::int64_t leaf, glm::vec3 n)
+/// Standard error of an entry's luminance under a gain, which moves light and noise alike.
+float noiseOf(const VdlLayer& layer, std::size_t entry, glm::vec3 gain)
 {
-    std::int64_t best = -1;
-    float bestCosine = kCompatibleCosine;
-    const auto i = static_cast<std::size_t>(leaf);
-    for (std::uint32_t e = geometry.firstEntry[i]; e < geometry.firstEntry[i + 1]; ++e) {
-        const float cosine = glm::dot(geometry.entries[e].normal, n);
-        if (cosine > bestCosine) bestCosine = cosine, best = e; // the first of equals: the one with more surface
-    }
-    return best;
-}
-
-/// Visits the compatible entries around `p` with their trilinear weights. Gives the sum of the weights, 0 if there are
-/// none.
-template<class Visit>
-float visitNeighbours(const OctreeGeometry& geometry, glm::vec3 p, glm::vec3 n, const Visit& visit)
-{
-    const glm::vec3 at = (p - geometry.lowest) / geometry.cellSize() - 0.5f;
-    const glm::vec3 base = glm::floor(at), part = at - base;
-    // far outside the lattice (or NaN) no neighbour exists, and a cast to int would overflow
-    if (!(glm::length(base) < 4e6f)) return 0.0f;
-    const glm::ivec3 cell(base);
-    float weights = 0.0f;
-    for (int i = 0; i < 8; ++i) {
-        const glm::ivec3 step(i & 1, i >> 1 & 1, i >> 2 & 1);
-        const float weight =
-            (step.x ? part.x : 1.0f - part.x) * (step.y ? part.y : 1.0f - part.y) * (step.z ? part.z : 1.0f - part.z);
-        if (!(weight > 0.0f)) continue;
-        const std::int64_t leaf = geometry.leafAt(cell + step);
-        if (leaf < 0) continue;
-        const std::int64_t entry = entryFor(geometry, leaf, n);
-        if (entry < 0) continue;
-        weights += weight;
-        visit(static_cast<std::size_t>(entry), weight);
-    }
-    return weights;
+    const glm::vec3 scalar = layer.scalar[entry];
+    const float baked = luminance(scalar);
+    return layer.noise[entry] * (baked > 0.0f ? luminance(gain * scalar) / baked : luminance(gain));
 }
 
 } // namespace
 
-bool LightOctree::lookup(glm::vec3 p, glm::vec3 n, glm::vec3& lux) const
-{
-    glm::vec3 sum(0.0f);
-    const float weights = visitNeighbours(*geometry_, p, n, [&](std::size_t entry, float weight) {
-        sum += weight * (show_ == OctreeShow::lights ? illuminanceOf(entry, n) : mixedColour(entry));
-    });
-    lux = weights > 0.0f ? sum / weights : glm::vec3(0.0f);
-    return weights > 0.0f;
-}
-
-glm::vec3 LightOctree::illuminanceOf(std::size_t entry, glm::vec3 n) const
-{
-    glm::vec3 sum(0.0f);
-    for (const auto& layer : layers_) {
-        if (!layer) continue;
-        const Vdl* vdls = layer->vdls.data() + entry * static_cast<std::size_t>(layer->count);
-        glm::vec3 e(0.0f);
-        for (int j = 0; j < layer->count; ++j) e += vdls[j].colour * glm::max(0.0f, glm::dot(n, vdls[j].toLight));
-        sum += gainOf(mix_, layer->group) * e;
-    }
-    return sum;
-}
-
-glm::vec3 LightOctree::mixedColour(std::size_t e) const
-{
-    glm::vec3 sum(0.0f);
-    for (const auto& layer : layers_) {
-        if (layer) sum += gainOf(mix_, layer->group) * layer->scalar[e];
-    }
-    return sum;
-}
-
 std::optional<float> LightOctree::noise(glm::vec3 p, glm::vec3 n) const
 {
-    float sum = 0.0f;
-    const float weights =
-        visitNeighbours(*geometry_, p, n, [&](std::size_t entry, float weight) { sum += weight * noiseOf(entry); });
-    if (!(weights > 0.0f)) return {};
-    return sum / weights;
-}
-
-float LightOctree::noiseOf(std::size_t entry) const
-{
+    const Answers coarse = answersAround(*geometry_, p, n);
+    if (!(coarse.sum > 0.0f)) return {};
     float variance = 0.0f;
-    for (const auto& layer : layers_) {
-        if (!layer) continue;
-        const glm::vec3 scalar = layer->scalar[entry];
-        const float baked = luminance(scalar);
-        const glm::vec3 gain = gainOf(mix_, layer->group); // moves light and noise alike
-        const float share = baked > 0.0f ? luminance(gain * scalar) / baked : luminance(gain);
-        const float noise = layer->noise[entry] * share;
+    for (std::size_t g = 0; g < layers_.size(); ++g) {
+        if (!layers_[g]) continue;
+        const glm::vec3 gain = gainOf(mix_, layers_[g]->group);
+        const float noise = blended(
+            g, p, n, coarse, [&](const VdlLayer& layer, std::size_t entry) { return noiseOf(layer, entry, gain); });
         variance += noise * noise;
     }
     return std::sqrt(variance);
@@ -126,33 +164,46 @@ float LightOctree::noiseOf(std::size_t entry) const
 
 std::shared_ptr<const IndirectField> LightOctree::withMix(Mix mix) const
 {
-    return std::make_shared<LightOctree>(geometry_, layers_, form_, std::move(mix), show_);
+    return std::shared_ptr<const IndirectField>(new LightOctree(*this, std::move(mix), show_));
 }
 
 std::shared_ptr<const LightOctree> LightOctree::showing(OctreeShow show) const
 {
-    return std::make_shared<LightOctree>(geometry_, layers_, form_, mix_, show);
+    return std::shared_ptr<const LightOctree>(new LightOctree(*this, mix_, show));
 }
+
+namespace {
+
+std::size_t bytesOf(const OctreeGeometry& geometry)
+{
+    return geometry.cells.size() * (sizeof(std::uint64_t) + sizeof(std::uint32_t)) +
+           geometry.entries.size() * sizeof(OctreeEntry);
+}
+
+std::size_t bytesOf(const VdlLayer& layer)
+{
+    return layer.vdls.size() * sizeof(Vdl) + layer.scalar.size() * (sizeof(glm::vec3) + sizeof(float));
+}
+
+} // namespace
 
 std::size_t LightOctree::memoryBytes() const
 {
-    std::size_t sum = geometry_->cells.size() * (sizeof(std::uint64_t) + sizeof(std::uint32_t)) +
-                      geometry_->entries.size() * sizeof(OctreeEntry);
-    for (const auto& layer : layers_) {
-        if (layer) sum += layer->vdls.size() * sizeof(Vdl) + layer->scalar.size() * (sizeof(glm::vec3) + sizeof(float));
+    std::size_t sum = bytesOf(*geometry_);
+    for (std::size_t g = 0; g < layers_.size(); ++g) {
+        if (layers_[g]) sum += bytesOf(*layers_[g]);
+        for (const DetailLevel& level : detail(g)) sum += bytesOf(*level.geometry) + bytesOf(*level.layer);
     }
     return sum;
 }
 
-std::vector<Vdl> LightOctree::mixed(std::uint32_t e, int most) const
+std::vector<Vdl> LightOctree::mixed(At at, int most) const
 {
     std::vector<LightVector> lights;
-    for (const auto& layer : layers_) {
-        if (!layer) continue;
-        const glm::vec3 gain = gainOf(mix_, layer->group);
-        for (int j = 0; j < layer->count; ++j) {
-            const Vdl& vdl =
-                layer->vdls[std::size_t(e) * static_cast<std::size_t>(layer->count) + static_cast<std::size_t>(j)];
+    for (std::size_t g = 0; g < layers_.size(); ++g) {
+        if (!layers_[g]) continue;
+        const glm::vec3 gain = gainOf(mix_, layers_[g]->group);
+        for (const Vdl& vdl : lightsOf(g, at)) {
             const glm::vec3 colour = gain * vdl.colour;
             const float luma = luminance(colour);
             if (luma > 0.0f) lights.push_back({vdl.toLight, colour, luma});
@@ -164,7 +215,7 @@ std::vector<Vdl> LightOctree::mixed(std::uint32_t e, int most) const
         return out;
     }
     ClusterScratch scratch;
-    const glm::vec3 n = geometry_->entries[e].normal;
+    const glm::vec3 n = surface(at).normal;
     fitVdls(lights, n, form_, out, scratch);
     if (form_ == VdlForm::corrected) { // lights from behind the entry's plane take nothing away from it
         glm::vec3 lux(0.0f);
@@ -178,10 +229,11 @@ OctreeGeometry leavesRead(const OctreeGeometry& geometry, std::span<const ProbeP
 {
     std::vector<std::size_t> leaves;
     for (const ProbePoint& point : points) {
-        static_cast<void>(visitNeighbours(geometry, point.position, point.normal, [&](std::size_t entry, float) {
-            const auto next = std::ranges::upper_bound(geometry.firstEntry, entry);
+        const Answers answers = answersAround(geometry, point.position, point.normal);
+        for (std::size_t i = 0; i < static_cast<std::size_t>(answers.count); ++i) {
+            const auto next = std::ranges::upper_bound(geometry.firstEntry, answers.entries[i]);
             leaves.push_back(static_cast<std::size_t>(next - geometry.firstEntry.begin()) - 1);
-        }));
+        }
     }
     std::ranges::sort(leaves);
     const auto doubled = std::ranges::unique(leaves);

@@ -27,6 +27,8 @@ struct OctreeGeometry {
     [[nodiscard]] float cellSize() const { return rootSize / static_cast<float>(1u << depth); }
     /// Leaf at integer cell coordinates, or -1. O(log leaves).
     [[nodiscard]] std::int64_t leafAt(glm::ivec3 cell) const;
+    /// Whether a leaf lies in a cell of the depth above. O(log leaves).
+    [[nodiscard]] bool splits(glm::ivec3 parent) const;
 };
 
 /// Virtual directional light: light from direction `toLight` that gives `colour` * max(0, n . toLight) lux on a surface
@@ -45,15 +47,37 @@ struct VdlLayer {
     std::vector<glm::vec3>
         scalar;               ///< per entry: the density estimate, lux on the entry's own surface, without directions
     std::vector<float> noise; ///< per entry: standard error of the luminance of `scalar`, from the gather's own photons
+    [[nodiscard]] std::span<const Vdl> of(std::size_t entry) const
+    {
+        const auto each = static_cast<std::size_t>(count);
+        return std::span(vdls).subspan(entry * each, each);
+    }
 };
 
-/// The light octree (Vivanloc et al. 2007, corrected as in docs/methods): geometry, one layer per light group, a mix.
+/// Deeper leaves of one light group: all children of the cells of the depth above that its photons call to be split,
+/// and their light. What is split keeps its own light as well.
+struct DetailLevel {
+    std::shared_ptr<const OctreeGeometry> geometry;
+    std::shared_ptr<const VdlLayer> layer;
+};
+/// One below the other, the first below the octree's own depth. Empty: no cell is split.
+using LampDetail = std::vector<DetailLevel>;
+
+struct UnionLevel;
+struct Answers;
+
+/// The light octree (Vivanloc et al. 2007, corrected as in docs/methods): geometry, one layer per light group, and per
+/// group the deeper leaves that its light calls for; a mix.
 class LightOctree final : public IndirectField {
 public:
+    /// `details` by layer, or empty.
     LightOctree(std::shared_ptr<const OctreeGeometry> geometry, std::vector<std::shared_ptr<const VdlLayer>> layers,
-                VdlForm form, Mix mix, OctreeShow show = OctreeShow::lights);
+                VdlForm form, Mix mix, OctreeShow show = OctreeShow::lights,
+                std::vector<std::shared_ptr<const LampDetail>> details = {});
 
     /// 8-neighbour interpolation over entries compatible with `n` (n . n_j >= 0.3), renormalised by those that exist.
+    /// At each deeper level in turn, where cells are split: children answer for their share, and what the level above
+    /// gives at `p` for the share of cells that are not split, so that there is no seam between depths.
     /// A colour octree takes each entry's accumulated illuminance as it is: `n` picks entries and does nothing else.
     [[nodiscard]] bool lookup(glm::vec3 p, glm::vec3 n, glm::vec3& lux) const override;
     /// As `lookup` blends. Lamps are independent; neighbouring entries share most photons, so their errors are taken
@@ -65,25 +89,45 @@ public:
 
     [[nodiscard]] const OctreeGeometry& geometry() const { return *geometry_; }
     [[nodiscard]] const std::vector<std::shared_ptr<const VdlLayer>>& layers() const { return layers_; }
+    /// By layer; an empty one where none of the lamp's cells is split.
+    [[nodiscard]] const LampDetail& detail(std::size_t layer) const;
+    [[nodiscard]] const std::vector<std::shared_ptr<const LampDetail>>& details() const { return details_; }
+    /// All lamps' deeper leaves, level by level; empty where no cell is split.
+    [[nodiscard]] const std::vector<UnionLevel>& deeper() const { return *deeper_; }
     [[nodiscard]] VdlForm form() const { return form_; }
     [[nodiscard]] const Mix& mix() const { return mix_; }
     [[nodiscard]] OctreeShow show() const { return show_; }
     /// The same layers and mix, shown otherwise.
     [[nodiscard]] std::shared_ptr<const LightOctree> showing(OctreeShow show) const;
-    /// Accumulated illuminance (lux) of entry `e` under the mix, without directions.
-    [[nodiscard]] glm::vec3 mixedColour(std::size_t e) const;
-    /// VDLs of entry `e` under the mix, all layers' united and merged to at most `most`, vector sums kept.
-    [[nodiscard]] std::vector<Vdl> mixed(std::uint32_t e, int most) const;
+    /// An entry of the geometry (level 0), or of deeper()[level - 1].
+    struct At {
+        std::size_t entry = 0, level = 0;
+    };
+    [[nodiscard]] const OctreeEntry& surface(At at) const;
+    /// Accumulated illuminance (lux) of an entry under the mix, without directions. Lamps whose light does not call for
+    /// a leaf as deep give what they have there, interpolated.
+    [[nodiscard]] glm::vec3 mixedColour(At at) const;
+    /// VDLs of an entry under the mix, all layers' united and merged to at most `most`, vector sums kept.
+    [[nodiscard]] std::vector<Vdl> mixed(At at, int most) const;
 
 private:
-    [[nodiscard]] float noiseOf(std::size_t entry) const;
-    [[nodiscard]] glm::vec3 illuminanceOf(std::size_t entry, glm::vec3 n) const;
+    /// Deeper leaves of all lamps are united once and shared by all mixes.
+    LightOctree(const LightOctree& other, Mix mix, OctreeShow show);
+    [[nodiscard]] glm::vec3 valueOf(const VdlLayer& layer, std::size_t entry, glm::vec3 n) const;
+    template<class ValueOf>
+    [[nodiscard]] auto blended(std::size_t layer, glm::vec3 p, glm::vec3 n, const Answers& coarse,
+                               const ValueOf& valueOf) const;
+    /// Number of an entry in the layer's own level; -1: the lamp has no leaf there.
+    [[nodiscard]] std::int64_t ownEntry(std::size_t layer, At at) const;
+    [[nodiscard]] std::vector<Vdl> lightsOf(std::size_t layer, At at) const;
 
     std::shared_ptr<const OctreeGeometry> geometry_;
     std::vector<std::shared_ptr<const VdlLayer>> layers_;
     VdlForm form_;
     Mix mix_;
     OctreeShow show_;
+    std::vector<std::shared_ptr<const LampDetail>> details_;
+    std::shared_ptr<const std::vector<UnionLevel>> deeper_;
 };
 
 /// The leaves that lookups at the points read, with all their entries: a field over these answers there as one over the

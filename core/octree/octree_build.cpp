@@ -64,16 +64,13 @@ private:
     std::vector<Gathering> open_;
 };
 
-} // namespace
-
-std::shared_ptr<const OctreeGeometry> buildOctree(const Bounds& bounds, const LightReach& reach, int depth, float shift,
-                                                  Workers& workers, const std::stop_token& stop)
+std::shared_ptr<const OctreeGeometry> build(const CellLattice& lattice, const std::optional<CellsWithin>& within,
+                                            const LightReach& reach, Workers& workers, const std::stop_token& stop)
 {
-    const CellLattice lattice = latticeOver(bounds, depth, shift);
-    const CellPieces clipped = clipToCells(reach.facets(), lattice, workers, stop);
+    const CellPieces clipped = clipToCells(reach.facets(), lattice, workers, stop, within);
     if (!clipped.complete) return nullptr;
     auto geometry = std::make_shared<OctreeGeometry>();
-    geometry->depth = depth;
+    geometry->depth = lattice.depth;
     geometry->lowest = lattice.lowest;
     geometry->rootSize = lattice.rootSize;
 
@@ -86,6 +83,21 @@ std::shared_ptr<const OctreeGeometry> buildOctree(const Bounds& bounds, const Li
     }
     geometry->firstEntry.push_back(static_cast<std::uint32_t>(geometry->entries.size()));
     return geometry;
+}
+
+} // namespace
+
+std::shared_ptr<const OctreeGeometry> buildOctree(const Bounds& bounds, const LightReach& reach, int depth, float shift,
+                                                  Workers& workers, const std::stop_token& stop)
+{
+    return build(latticeOver(bounds, depth, shift), {}, reach, workers, stop);
+}
+
+std::shared_ptr<const OctreeGeometry> buildLeaves(const CellLattice& lattice, const CellsWithin& within,
+                                                  const LightReach& reach, Workers& workers,
+                                                  const std::stop_token& stop)
+{
+    return build(lattice, within, reach, workers, stop);
 }
 
 } // namespace lightloom

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/octree/octree_solver.h"
+#include "core/octree/detail_fit.h"
+#include "core/octree/detail_union.h"
 #include "core/octree/layer_fit.h"
 #include "core/octree/octree_build.h"
 #include "core/params/param_text.h"
@@ -10,12 +12,14 @@
 namespace lightloom {
 namespace {
 
+constexpr double kDetailShare = 0.3; ///< of the time of the last depth that its deeper leaves take
 constexpr double kPhotonShare = 0.4; ///< of a bake's time; the rest goes by the number of cells of each depth
 
 std::string layerKey(const BakeJob& job, const SceneProducts& scene, std::size_t group, int depth)
 {
     BakeParams atDepth = job.params; // a layer of one depth does not depend on what other depths are shown
     atDepth.octreeDepth = atDepth.octreeFirstDepth = depth;
+    atDepth.octreeDetail = 0; // nor on the leaves below it
     return scene.layerKey(group) + stageKey(atDepth, Stage::fit, Method::lightOctree);
 }
 
@@ -29,6 +33,7 @@ public:
           finished_(std::move(finished).value_or(Layers(photons.maps.size())))
     {
         for (int d = job.params.octreeFirstDepth; d <= job.params.octreeDepth; ++d) allCells_ += cellsOf(d);
+        if (job.params.octreeDetail > 0) allCells_ += kDetailShare * cellsOf(job.params.octreeDepth);
     }
 
     Result<Done> depth(int d)
@@ -45,9 +50,25 @@ public:
             told_ += cellsOf(d) / static_cast<double>(layers.size());
         }
         const bool isFinal = d == job_.params.octreeDepth && !isRough_;
+        std::vector<std::shared_ptr<const LampDetail>> details;
+        if (isFinal && job_.params.octreeDetail > 0) {
+            details.resize(layers.size());
+            for (std::size_t g = 0; g < layers.size(); ++g) {
+                if (!layers[g]) continue;
+                details[g] = detailOf(*geometry, *layers[g], g);
+                if (!details[g]) return cancelled();
+                told_ += kDetailShare * cellsOf(d) / static_cast<double>(layers.size());
+                control_.progress(Stage::fit, kPhotonShare + (1.0 - kPhotonShare) * told_ / allCells_);
+            }
+        }
         if (isFinal) control_.progress(Stage::fit, 1.0);
-        control_.publish(std::make_shared<LightOctree>(geometry, std::move(layers), job_.params.vdlForm, job_.mix), d,
-                         isFinal, isRough_);
+        auto octree = std::make_shared<LightOctree>(geometry, std::move(layers), job_.params.vdlForm, job_.mix,
+                                                    OctreeShow::lights, std::move(details));
+        for (const UnionLevel& level : octree->deeper()) {
+            products_.counters.leaves += level.geometry.cells.size();
+            products_.counters.entries += level.geometry.entries.size();
+        }
+        control_.publish(std::move(octree), d, isFinal, isRough_);
         return Done{};
     }
 
@@ -63,6 +84,23 @@ private:
         if (!fitAll(geometry, *photons_.maps[g], *layer)) return nullptr;
         products_.keep<VdlLayer>(key, layer, clock.stop());
         return layer;
+    }
+
+    std::shared_ptr<const LampDetail> detailOf(const OctreeGeometry& geometry, const VdlLayer& layer, std::size_t g)
+    {
+        BakeParams direct = job_.params;
+        direct.octreeFirstDepth = direct.octreeDepth;
+        const std::string key = photons_.scene.layerKey(g) + stageKey(direct, Stage::fit, Method::lightOctree);
+        if (auto kept = products_.find<LampDetail>(key)) return kept;
+        const StageClock clock("detail", control_);
+        const DetailJob job{geometry, layer, *photons_.scene.reach, *photons_.maps[g], *photons_.area, job_.params};
+        const DetailResult made = fitDetail(job, control_);
+        if (!made.detail) return nullptr;
+        products_.counters.gathers += made.fits;
+        products_.counters.clusterings += made.fits;
+        products_.counters.degenerateEntries += made.degenerate;
+        products_.keep<LampDetail>(key, made.detail, clock.stop());
+        return made.detail;
     }
 
     bool fitAll(const OctreeGeometry& geometry, const PhotonMap& map, VdlLayer& layer)

@@ -43,6 +43,7 @@ struct BakeParams {
     Switch gatherFilter = Switch::on;
     int octreeDepth = 6;
     int octreeFirstDepth = 4;
+    int octreeDetail = 2;
     float gridShift = 0.0f;
     int vdlCount = 4;
     VdlForm vdlForm = VdlForm::corrected;
@@ -110,6 +111,8 @@ inline constexpr std::array kParams{
               "Cells are the longest side / 2^depth. Finer cells show more detail; time and memory grow fourfold a level."},
     ParamSpec{"octree.first-depth", "First depth shown", "levels", 1, 10, 1, kForOctree, Stage::build, &BakeParams::octreeFirstDepth, {},
               "The coarsest octree, shown while finer ones are made. Does not change the final result."},
+    ParamSpec{"octree.detail", "Deeper leaves", "levels", 0, 3, 1, kForOctree, Stage::fit, &BakeParams::octreeDetail, {},
+              "Most levels that leaves split below the octree depth where photons show light that they blur, such as caustics."},
     ParamSpec{"grid.shift", "Lattice shift", "cells", 0, 0.999, 0.25, kForOctree, Stage::build, &BakeParams::gridShift, {},
               "Moves the lattice by part of a cell along all axes; accuracy is stated as the worst of 0 .25 .5 .75."},
     ParamSpec{"gather.count", "Photons gathered (K)", "", 1, 100'000, 50, kForPhotons, Stage::fit, &BakeParams::gatherCount, {},

@@ -77,8 +77,8 @@ class Clipper {
 
 public:
     Clipper(const CellLattice& lattice, const std::function<void(const CellPolygon&)>& visit,
-            const std::stop_token& stop)
-        : lattice_(lattice), visit_(visit), stop_(stop), lowest_(lattice.lowest),
+            const std::stop_token& stop, const std::optional<CellsWithin>& within = {})
+        : lattice_(lattice), visit_(visit), stop_(stop), within_(within), lowest_(lattice.lowest),
           size_(static_cast<double>(lattice.rootSize))
     {
     }
@@ -97,6 +97,7 @@ private:
     void descend(const Polygon& polygon, glm::uvec3 cell, int depth)
     {
         if (polygon.count < 3) return;
+        if (within_ && depth == within_->depth && !std::ranges::binary_search(within_->cells, mortonCode(cell))) return;
         if (depth == lattice_.depth) return emit(polygon, cell);
         if (lattice_.depth - depth == kLevelsAtOnce && stop_.stop_requested()) return;
         const double half = 1.0 / static_cast<double>(2u << depth);
@@ -135,6 +136,7 @@ private:
     const CellLattice& lattice_;
     const std::function<void(const CellPolygon&)>& visit_;
     const std::stop_token& stop_;
+    std::optional<CellsWithin> within_;
     glm::dvec3 lowest_;
     double size_;
 };
@@ -165,7 +167,7 @@ void clipTriangle(glm::vec3 a, glm::vec3 b, glm::vec3 c, const CellLattice& latt
 }
 
 CellPieces clipToCells(const std::vector<ReachedFacet>& facets, const CellLattice& lattice, Workers& workers,
-                       const std::stop_token& stop)
+                       const std::stop_token& stop, const std::optional<CellsWithin>& within)
 {
     constexpr std::size_t kBlock = 16; // a large triangle has a million cells: few in one worker's hands
     const std::size_t blocks = (facets.size() + kBlock - 1) / kBlock;
@@ -173,13 +175,11 @@ CellPieces clipToCells(const std::vector<ReachedFacet>& facets, const CellLattic
     const bool all = workers.run(blocks, stop, [&](std::size_t block) {
         for (std::size_t f = block * kBlock; f < std::min(facets.size(), (block + 1) * kBlock); ++f) {
             if (stop.stop_requested()) return;
-            clipTriangle(
-                facets[f].a, facets[f].b, facets[f].c, lattice,
-                [&](const CellPolygon& part) {
-                    parts[block].push_back({mortonCode(part.cell), static_cast<std::uint32_t>(f),
-                                            static_cast<float>(part.area), glm::vec3(part.centroid)});
-                },
-                stop);
+            const std::function<void(const CellPolygon&)> keep = [&](const CellPolygon& part) {
+                parts[block].push_back({mortonCode(part.cell), static_cast<std::uint32_t>(f),
+                                        static_cast<float>(part.area), glm::vec3(part.centroid)});
+            };
+            Clipper(lattice, keep, stop, within).add(facets[f].a, facets[f].b, facets[f].c);
         }
     }) && !stop.stop_requested();
     if (!all) return {};

@@ -4,6 +4,7 @@
 #include "core/scene/scene.h"
 #include "core/trace/reached_facet.h"
 #include <functional>
+#include <optional>
 #include <span>
 
 namespace lightloom {
@@ -41,13 +42,20 @@ struct CellPiece {
     float area;          ///< m2
     glm::vec3 centroid;  ///< scene space
 };
-/// All reached facets against the lattice, sorted by (cell, facet). `complete` false: stopped, do not use.
 struct CellPieces {
     std::vector<CellPiece> pieces;
     bool complete = false;
 };
+/// Cells of a coarser depth of a lattice: Morton codes, rising.
+struct CellsWithin {
+    std::span<const std::uint64_t> cells;
+    int depth = 0;
+};
+/// All reached facets, or their parts in the cells of `within`, against the lattice, sorted by (cell, facet).
+/// `complete` false: stopped, do not use.
 [[nodiscard]] CellPieces clipToCells(const std::vector<ReachedFacet>& facets, const CellLattice& lattice,
-                                     Workers& workers, const std::stop_token& stop);
+                                     Workers& workers, const std::stop_token& stop,
+                                     const std::optional<CellsWithin>& within = {});
 
 /// Interleaves the low 21 bits of each coordinate: x lowest.
 [[nodiscard]] std::uint64_t mortonCode(glm::uvec3 cell);

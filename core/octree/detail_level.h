@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "core/octree/light_octree.h"
+#include <cstdint>
+#include <vector>
+
+namespace lightloom {
+
+/// A level of deeper leaves while it is being judged: all children of some cells of the level above, of which those
+/// stay whose parent is to be split.
+struct DetailCandidates {
+    std::vector<std::uint64_t> parents; ///< Morton codes, rising
+    std::shared_ptr<const OctreeGeometry> geometry;
+    std::shared_ptr<VdlLayer> layer;
+    std::vector<float> gain;  ///< per entry: squared error that the level above is seen to have there, in variances of
+                              ///< the entry itself; scatters around 0 where the level above is right
+    std::vector<bool> splits; ///< per parent
+    [[nodiscard]] std::size_t parentOf(std::size_t leaf) const;
+};
+
+/// Splits a parent where the mean gain over it and the candidates up to two cells around is worth it: an entry sees a
+/// small kernel, and what is blurred is blurred for some cells around.
+void judge(DetailCandidates& level);
+
+/// What stays of the levels, a parent of a split cell being split as well. Ends with the first level that has no leaf.
+[[nodiscard]] LampDetail splitLeaves(std::vector<DetailCandidates>& levels);
+
+} // namespace lightloom
