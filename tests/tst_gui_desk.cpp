@@ -270,6 +270,10 @@ private Q_SLOTS:
             QVERIFY(row->width() <= dock(*window, "sceneDock")->width());
             QVERIFY(gain->width() >= 40);
         }
+        // a lamp that is edited in numbers takes no more room than there is
+        window->sceneDock().findChildren<QToolButton*>(QRegularExpression("^edit\\..*")).first()->click();
+        QCoreApplication::processEvents();
+        QVERIFY2(window->height() <= 330, qPrintable(QString::number(window->height())));
     }
 };
 

@@ -53,13 +53,16 @@ void AtlasDesk::forget()
     stop_.request_stop();
     ++serial_;
     rays_.reset();
+    reach_.reset();
     isAsked_ = false;
     viewport_->setAtlas(nullptr);
 }
 
 void AtlasDesk::setView(const BakeView& view)
 {
-    if (!view.rays || view.rays == rays_) return;
+    if (!view.rays || view.reach == reach_) return;
+    if (reach_) forget(); // a lamp shines where none did
+    reach_ = view.reach;
     rays_ = view.rays;
     lights_ = view.lights;
     modeChanged();

@@ -32,6 +32,7 @@ private:
     std::stop_source stop_;
     std::shared_ptr<const RayScene> rays_;
     std::shared_ptr<const LightSampler> lights_;
+    std::shared_ptr<const LightReach> reach_; ///< what the atlas has room for: the same wherever in a room lamps are
     bool isAsked_ = false;
     std::uint64_t serial_ = 0;
 };

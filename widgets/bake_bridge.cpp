@@ -94,6 +94,7 @@ void BakeBridge::publish(Snapshot snapshot)
         if (found) {
             view.rays = found->rays;
             view.lights = found->lights;
+            view.reach = found->reach;
             // a rough picture must not wait, and says nothing of the bake's noise
             if (!view.snapshot.isRough) {
                 view.noisePoints = noisePointsOf(*found, session_->products());

@@ -93,6 +93,8 @@ void BakePanel::begin()
     stage_->setText(tr("Preparing"));
 }
 
+void BakePanel::forgetDepths() { times_.clear(); }
+
 void BakePanel::show(const Progress& progress)
 {
     setFraction(*bar_, progress.fraction);
@@ -131,6 +133,7 @@ void BakePanel::end(const QString& outcome, const WorkCounters& c)
 }
 
 QString BakePanel::lightText() const { return light_->text(); }
+QString BakePanel::countersText() const { return counters_->text(); }
 QString BakePanel::noiseText() const { return noise_->text(); }
 QString BakePanel::stageText() const { return stage_->text(); }
 double BakePanel::fraction() const { return static_cast<double>(bar_->value()) / bar_->maximum(); }

@@ -22,7 +22,9 @@ public:
     void show(const Progress& progress);
     void add(const BakeView& view);       ///< the bake came so far
     void showNoise(const BakeView& view); ///< of the refinement that is looked at
+    void forgetDepths();                  ///< what is added next is of another bake
     void end(const QString& outcome, const WorkCounters& counters);
+    [[nodiscard]] QString countersText() const; ///< what was done and what was kept
     void clear();
     [[nodiscard]] QString stageText() const;
     [[nodiscard]] double fraction() const;

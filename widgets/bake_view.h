@@ -24,6 +24,7 @@ struct BakeView {
     std::uint64_t mixSerial = 0;
     std::shared_ptr<const RayScene> rays;                         ///< of the same scene, for measuring direct light
     std::shared_ptr<const LightSampler> lights;                   ///< of the same scene
+    std::shared_ptr<const LightReach> reach;                      ///< likewise
     std::shared_ptr<const std::vector<SurfacePoint>> noisePoints; ///< where noise is asked for; null: nowhere
     std::optional<double> noise; ///< what the bake itself states, a fraction of the mean, under its mix
     double cpuSeconds = 0;       ///< of all threads, until this was published; what was kept counts as it cost then

@@ -74,14 +74,23 @@ void CompareDesk::setMix(const Mix& mix)
     viewChanged();
 }
 
+void CompareDesk::lampsMoved()
+{
+    view_ = {};
+    worker_.judge({}, shown_.value_or(ErrorKind::relative));
+    viewChanged();
+}
+
 void CompareDesk::setView(const BakeView& view)
 {
     const bool isFirst = !view_.rays && view.rays;
+    const bool isOfOtherLamps = view_.rays && view.rays && view.rays != view_.rays;
     BakeView next = view;
     if (!next.rays) next.rays = view_.rays, next.lights = view_.lights; // an overtaken bake's picture brings none
     if (next.snapshot.field != view_.snapshot.field) forgetErrors();
     view_ = std::move(next);
     worker_.judge(view_, shown_.value_or(ErrorKind::relative));
+    if (isOfOtherLamps) viewChanged(); // what was asked meanwhile was of a step of the drag
     if (isFirst && parts_.reference->isChecked()) delay_.start();
     tellNames();
 }

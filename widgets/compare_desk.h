@@ -29,6 +29,7 @@ public:
 
     void setScene(const QString& file); ///< forgets what was of another one
     void setMix(const Mix& mix);
+    void lampsMoved(); ///< what was traced and judged is of another scene; light of this one will come
     /// The light that is shown; its mix must be the one of `setMix`.
     void setView(const BakeView& view);
     void setBaking(bool isBaking); ///< and not paused

@@ -81,6 +81,7 @@ MainWindow::MainWindow(QSettings* settings)
     exportDialog_ = new ExportDialog(this, [this] { return exportOrder(); });
     connectWorkers();
     connectCompare();
+    connectLamps();
     editDelay_.setSingleShot(true);
     editDelay_.setInterval(kEditDelayMs);
     connect(&editDelay_, &QTimer::timeout, this, &MainWindow::useParams);
@@ -92,6 +93,7 @@ MainWindow::MainWindow(QSettings* settings)
 MainWindow::~MainWindow()
 {
     // workers first: what they still send finds no window then
+    savePool_.waitForDone();
     delete exportDialog_;
     delete compareDesk_;
     delete photonDesk_;
@@ -161,6 +163,7 @@ void MainWindow::connectWorkers()
 
 void MainWindow::openScene(const QString& file)
 {
+    if (!mayDropEdits()) return;
     statusStage_->setText(tr("Reading %1").arg(QFileInfo(file).fileName()));
     loader_->open(file);
 }
@@ -171,7 +174,7 @@ void MainWindow::setScene(std::shared_ptr<const DrawData> opened, const QString&
     data_ = std::move(opened);
     file_ = file;
     const Scene& scene = *data_->scene;
-    setWindowTitle(tr("%1 - Lightloom").arg(sceneTitle(file)));
+    setWindowTitle(tr("%1[*] - Lightloom").arg(sceneTitle(file)));
     snapshots_->clear();
     bakePanel_->clear();
     export_->setEnabled(false);
@@ -191,7 +194,7 @@ void MainWindow::setScene(std::shared_ptr<const DrawData> opened, const QString&
     cameraMenu_->setEnabled(!scene.cameras.empty());
     pages_->setCurrentWidget(workPage_);
     if (isFirst) showDocks();
-    for (QAction* action : {start_, reload_}) action->setEnabled(true);
+    for (QAction* action : {start_, reload_, saveScene_}) action->setEnabled(true);
     if (viewport_ != nullptr) {
         viewport_->setScene(data_, isAgain);
         viewport_->setFocus();
@@ -208,6 +211,7 @@ void MainWindow::setScene(std::shared_ptr<const DrawData> opened, const QString&
         compareDesk_->setScene(file);
         compareDesk_->setMix(mix_);
     }
+    forgetLampEdits();
     showNotes();
     rememberFile(file);
     sceneSerial_ = jobSerial_ + 1;
@@ -340,6 +344,7 @@ void MainWindow::takeView(const BakeView& view)
     if (view.snapshot.serial < jobSerial_ && rowSerial_ && *rowSerial_ == jobSerial_) return; // overtaken
     if (rowSerial_ != view.snapshot.serial) {
         snapshots_->clear();
+        bakePanel_->forgetDepths(); // an overtaken bake's picture may have come since this one began
         rowSerial_ = view.snapshot.serial;
     }
     snapshots_->add(view);
@@ -482,6 +487,7 @@ void MainWindow::dropEvent(QDropEvent* event)
 
 void MainWindow::closeEvent(QCloseEvent* event)
 {
+    if (!mayDropEdits()) return event->ignore();
     remember();
     bridge_->cancel();
     QMainWindow::closeEvent(event);

@@ -7,6 +7,7 @@
 #include <QElapsedTimer>
 #include <QList>
 #include <QMainWindow>
+#include <QThreadPool>
 #include <QTimer>
 #include <optional>
 
@@ -29,6 +30,7 @@ class BakePanel;
 class CompareDesk;
 class ComparePanel;
 class ExportDialog;
+class LampDesk;
 class LegendStrip;
 class MessageBar;
 class ParamPanel;
@@ -57,7 +59,8 @@ public:
     explicit MainWindow(QSettings* settings);
     ~MainWindow() override;
 
-    void openScene(const QString& file);
+    void openScene(const QString& file);      ///< asks first where lamps were edited and not saved
+    void saveSceneAs(const QString& file);    ///< with its lamps as they are now; `.glb`
     void setParams(const BakeParams& params); ///< as if edited in the panel
 
     // for whoever drives the window: the screenshot of the program, and tests
@@ -68,6 +71,7 @@ public:
     [[nodiscard]] CompareDesk* compareDesk() const { return compareDesk_; } ///< null without OpenGL
     [[nodiscard]] PhotonDesk* photonDesk() const { return photonDesk_; }    ///< likewise
     [[nodiscard]] PickDesk* pickDesk() const { return pickDesk_; }          ///< likewise
+    [[nodiscard]] LampDesk* lampDesk() const { return lampDesk_; }          ///< likewise
     [[nodiscard]] ComparePanel& comparePanel() const { return *comparePanel_; }
     [[nodiscard]] SweepPanel& sweepPanel() const { return *sweepPanel_; }
     [[nodiscard]] LegendStrip& legend() const { return *legend_; }
@@ -133,6 +137,15 @@ private:
     QWidget* makeSweepPanel();
     QWidget* makeShownButton();
     void connectCompare();
+    // main_window_lamps.cpp: lamps that are moved
+    void connectLamps();
+    void lampChosen(int group, int light);
+    void useLamp(int light, const PunctualLight& lamp);
+    void keepLamp(int light, const PunctualLight& before, const QString& text, int merge);
+    void forgetLampEdits(); ///< another scene
+    void saveScene();
+    void sceneSaved(const QString& file, const std::shared_ptr<const Scene>& scene, const QString& problem);
+    [[nodiscard]] bool mayDropEdits();
     // main_window_memory.cpp: what it remembers
     void setTheme(Theme theme);
     void restore();
@@ -145,16 +158,19 @@ private:
     QString file_;     ///< of the scene that is open
     QByteArray docks_; ///< places of docks, to be taken when there is a scene
     QUndoStack* undoStack_;
-    std::vector<LampSetting> lamps_; ///< as the newest step on the undo stack has them
-    BakeParams params_;              ///< likewise
-    Mix bakedMix_;                   ///< of the newest job: groups that are off in it have no layer
+    std::vector<LampSetting> lamps_;         ///< as the newest step on the undo stack has them
+    BakeParams params_;                      ///< likewise
+    std::vector<PunctualLight> savedLights_; ///< as the file has them
+    int chosenGroup_ = -1, chosenLight_ = -1;
+    QThreadPool savePool_;
+    Mix bakedMix_; ///< of the newest job: groups that are off in it have no layer
     Mix mix_;
     std::uint64_t mixSerial_ = 0, jobSerial_ = 0;
     std::uint64_t sceneSerial_ = 0;          ///< the scene's first job
     std::optional<std::uint64_t> rowSerial_; ///< job whose snapshots stand in the row
     bool isBaking_ = false;
     BakeParams bakedParams_;
-    QTimer editDelay_, frameTold_;
+    QTimer editDelay_, lampDelay_, frameTold_;
     QElapsedTimer toldClock_; ///< since progress was shown
 
     SceneLoader* loader_;
@@ -174,6 +190,7 @@ private:
     PhotonDesk* photonDesk_ = nullptr;
     AtlasDesk* atlasDesk_ = nullptr;
     PickDesk* pickDesk_ = nullptr;
+    LampDesk* lampDesk_ = nullptr;
     ComparePanel* comparePanel_ = nullptr;
     LegendStrip* legend_ = nullptr;
     SweepPanel* sweepPanel_ = nullptr;
@@ -187,7 +204,7 @@ private:
             *brighter_ = nullptr, *darker_ = nullptr, *lightTheme_ = nullptr, *start_ = nullptr, *pause_ = nullptr,
             *cancel_ = nullptr, *resetParams_ = nullptr, *shortcuts_ = nullptr, *about_ = nullptr, *undo_ = nullptr,
             *redo_ = nullptr, *swapModes_ = nullptr, *lastMode_ = nullptr, *reference_ = nullptr, *wipe_ = nullptr,
-            *pick_ = nullptr, *export_ = nullptr;
+            *pick_ = nullptr, *export_ = nullptr, *lampTool_ = nullptr, *saveScene_ = nullptr;
     QActionGroup *modes_ = nullptr, *shown_ = nullptr;
     QList<QAction*> bakeModes_; ///< those of `modes_` that show a bake
 };

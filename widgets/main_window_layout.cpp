@@ -53,7 +53,7 @@ void MainWindow::buildToolbar()
         if (!bakeModes_.contains(action)) row.addAction(action);
     }
     row.addSeparator();
-    row.addAction(indirect_);
+    row.addActions({lampTool_, indirect_});
     row.addWidget(makeShownButton());
     auto* space = new QWidget;
     space->setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Preferred);

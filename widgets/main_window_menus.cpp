@@ -51,6 +51,12 @@ void MainWindow::makeActions()
                          tr("Read the scene's file again and keep the camera"));
     export_ = makeAction(tr("&Export..."), QKeySequence(Qt::CTRL | Qt::Key_E),
                          tr("Write the light for other programs: lightmap, glTF scene, volume"));
+    saveScene_ = makeAction(tr("&Save scene as..."), QKeySequence::SaveAs,
+                            tr("Write the scene with its lamps as they are now, as binary glTF"));
+    lampTool_ = makeAction(tr("Move &lamps"), QKeySequence(Qt::Key_L),
+                           tr("Show lamps in the picture: click one, drag its handles; Esc takes a drag back"));
+    lampTool_->setCheckable(true);
+    lampTool_->setIconText(tr("Lamps")); // the toolbar is short
     undo_ = undoStack_->createUndoAction(this, tr("&Undo"));
     undo_->setShortcut(QKeySequence::Undo);
     undo_->setStatusTip(tr("Take back the last edit of a lamp or a parameter"));
@@ -92,7 +98,7 @@ void MainWindow::makeActions()
     shortcuts_ =
         makeAction(tr("&Keys and mouse"), QKeySequence::HelpContents, tr("List every key and what the mouse does"));
     about_ = makeAction(tr("&About Lightloom"), {}, tr("Version and licence"));
-    for (QAction* action : {reload_, export_, start_, pause_, cancel_}) action->setEnabled(false);
+    for (QAction* action : {reload_, saveScene_, export_, start_, pause_, cancel_}) action->setEnabled(false);
     makeCompareActions();
     connectActions();
 }
@@ -146,12 +152,13 @@ void MainWindow::buildMenus()
     }
     samples->setEnabled(!samples->isEmpty());
     file->addSeparator();
-    file->addAction(export_);
+    file->addActions({saveScene_, export_});
     file->addSeparator();
     file->addAction(quit_);
     QMenu* edit = menuBar()->addMenu(tr("&Edit"));
     edit->addActions({undo_, redo_});
     edit->addSeparator();
+    edit->addAction(lampTool_);
     edit->addAction(resetParams_);
     QMenu* view = menuBar()->addMenu(tr("&View"));
     view->addActions(modes_->actions());

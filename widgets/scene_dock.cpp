@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "widgets/scene_dock.h"
+#include "widgets/lamp_editor.h"
 #include <QCheckBox>
 #include <QHBoxLayout>
 #include <QLabel>
@@ -7,6 +8,7 @@
 #include <QLocale>
 #include <QScrollArea>
 #include <QSlider>
+#include <QToolButton>
 #include <QVBoxLayout>
 #include <algorithm>
 
@@ -45,7 +47,8 @@ QLabel* title(const QString& text)
 } // namespace
 
 SceneDock::SceneDock(QWidget* parent)
-    : QWidget(parent), cameras_(new QListWidget), column_(new QVBoxLayout(this)), about_(new QLabel)
+    : QWidget(parent), cameras_(new QListWidget), column_(new QVBoxLayout(this)), about_(new QLabel),
+      editor_(new LampEditor), editorArea_(new QScrollArea)
 {
     cameras_->setAccessibleName(tr("Cameras"));
     cameras_->setToolTip(tr("Click to look through a camera of the scene."));
@@ -56,6 +59,14 @@ SceneDock::SceneDock(QWidget* parent)
     column_->addWidget(title(tr("Cameras")));
     column_->addWidget(cameras_);
     column_->addWidget(title(tr("Lamps")));
+    editorArea_->setWidgetResizable(true);
+    editorArea_->setFrameShape(QFrame::NoFrame);
+    editorArea_->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+    editorArea_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Maximum);
+    editorArea_->setWidget(editor_);
+    editorArea_->setMinimumHeight(2 * fontMetrics().height());
+    editorArea_->hide();
+    column_->addWidget(editorArea_);
     setScene(nullptr);
     const auto choose = [this](QListWidgetItem* item) { Q_EMIT cameraChosen(cameras_->row(item)); };
     connect(cameras_, &QListWidget::itemClicked, this, choose);
@@ -96,13 +107,21 @@ void SceneDock::setScene(const std::shared_ptr<const Scene>& scene)
     rows->addStretch(1);
     area->setWidget(inside);
     lampBox_ = area;
-    column_->addWidget(area, 1);
+    column_->insertWidget(column_->indexOf(editorArea_), area, 1);
+}
+
+void SceneDock::showLamp(const std::shared_ptr<const Scene>& scene, int group, int light)
+{
+    for (std::size_t i = 0; i < lamps_.size(); ++i) lamps_[i].edit->setChecked(static_cast<int>(i) == group);
+    editor_->setLamp(scene, group, light);
+    editorArea_->setVisible(scene && group >= 0);
+    editorArea_->updateGeometry(); // rows came or went
 }
 
 void SceneDock::addLamp(const LightGroup& group, QVBoxLayout& column)
 {
     const QString name = QString::fromStdString(group.label.empty() ? group.id : group.label);
-    Lamp lamp{new ElidingCheckBox(name), new QSlider(Qt::Horizontal), new QLabel};
+    Lamp lamp{new ElidingCheckBox(name), new QSlider(Qt::Horizontal), new QLabel, new QToolButton};
     lamp.on->setChecked(true);
     lamp.on->setObjectName("lamp." + QString::fromStdString(group.id));
     lamp.on->setToolTip(tr("%1: on or off (light group %2)").arg(name, QString::fromStdString(group.id)));
@@ -120,7 +139,16 @@ void SceneDock::addLamp(const LightGroup& group, QVBoxLayout& column)
     row->setContentsMargins(18, 0, 0, 4);
     row->addWidget(lamp.gain, 1);
     row->addWidget(lamp.value);
-    column.addWidget(lamp.on);
+    lamp.edit->setText(tr("Edit"));
+    lamp.edit->setCheckable(true);
+    lamp.edit->setAutoRaise(true);
+    lamp.edit->setObjectName("edit." + QString::fromStdString(group.id));
+    lamp.edit->setAccessibleName(tr("Edit %1").arg(name));
+    lamp.edit->setToolTip(tr("Place, direction, intensity and colour of %1; handles in the picture").arg(name));
+    auto* head = new QHBoxLayout;
+    head->addWidget(lamp.on, 1);
+    head->addWidget(lamp.edit);
+    column.addLayout(head);
     column.addLayout(row);
     QLabel* value = lamp.value;
     QSlider* gain = lamp.gain;
@@ -133,6 +161,8 @@ void SceneDock::addLamp(const LightGroup& group, QVBoxLayout& column)
         gain->setEnabled(on);
         if (!filling_) Q_EMIT lampEdited(index, false);
     });
+    connect(lamp.edit, &QToolButton::clicked, this,
+            [this, index](bool isChosen) { Q_EMIT lampChosen(isChosen ? index : -1); });
     lamps_.push_back(lamp);
 }
 

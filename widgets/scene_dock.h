@@ -8,10 +8,14 @@
 class QCheckBox;
 class QLabel;
 class QListWidget;
+class QScrollArea;
 class QSlider;
+class QToolButton;
 class QVBoxLayout;
 
 namespace lightloom {
+
+class LampEditor;
 
 /// A lamp as its switch and dimmer have it.
 struct LampSetting {
@@ -20,7 +24,8 @@ struct LampSetting {
     bool operator==(const LampSetting&) const = default;
 };
 
-/// Cameras and lamps of the open scene. A lamp is a light group: a check box switches it, a slider dims it.
+/// Cameras and lamps of the open scene. A lamp is a light group: a check box switches it, a slider dims it, a button
+/// chooses it for editing.
 class SceneDock final : public QWidget {
     Q_OBJECT
 public:
@@ -30,8 +35,12 @@ public:
     [[nodiscard]] std::vector<LampSetting> lampSettings() const;
     void setLampSettings(const std::vector<LampSetting>& settings); ///< one per lamp; sends no signal
     [[nodiscard]] QString lampName(int lamp) const;
+    [[nodiscard]] LampEditor& editor() const { return *editor_; }
+    /// The lamp to be edited, as LampEditor::setLamp has it; group -1: none. Sends no signal.
+    void showLamp(const std::shared_ptr<const Scene>& scene, int group, int light);
 
 Q_SIGNALS:
+    void lampChosen(int lamp); ///< to be edited; -1: none
     void cameraChosen(int index);
     void lampEdited(int lamp, bool isDimmed); ///< else switched
 
@@ -40,6 +49,7 @@ private:
         QCheckBox* on;
         QSlider* gain; ///< percent
         QLabel* value;
+        QToolButton* edit;
     };
     void addLamp(const LightGroup& group, QVBoxLayout& column);
 
@@ -47,6 +57,8 @@ private:
     QWidget* lampBox_ = nullptr;
     QVBoxLayout* column_;
     QLabel* about_;
+    LampEditor* editor_;
+    QScrollArea* editorArea_; ///< gives way on a small screen
     std::vector<Lamp> lamps_;
     bool filling_ = false; ///< values are being shown, not edited
 };

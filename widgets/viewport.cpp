@@ -9,9 +9,10 @@ namespace lightloom {
 
 namespace {
 
-constexpr int kSamples = 8;        ///< pictures that are averaged at rest
-constexpr int kRestMs = 180;       ///< without motion until the full picture
-constexpr double kShadowMs = 12.0; ///< of a frame, for shadow maps
+constexpr int kSamples = 8;             ///< pictures that are averaged at rest
+constexpr int kRestMs = 180;            ///< without motion until the full picture
+constexpr double kShadowMs = 12.0;      ///< of a frame, for shadow maps
+constexpr double kAllShadowsMs = 100.0; ///< of a frame after a lamp was moved: its six, and more only if others wait
 
 } // namespace
 
@@ -102,6 +103,14 @@ void Viewport::setScene(std::shared_ptr<const DrawData> drawn, bool keepCamera)
     Q_EMIT viewMoved();
 }
 
+void Viewport::setLamps(std::shared_ptr<const DrawData> drawn)
+{
+    data_ = std::move(drawn);
+    lampsAreNew_ = true;
+    shadowsReady_ = mirrorsReady_ = false;
+    coarseFor(kRestMs);
+}
+
 void Viewport::setLight(const BakeView& view)
 {
     octree_ = view.gpu;
@@ -163,6 +172,14 @@ void Viewport::setMarks(std::vector<Mark> marks)
     present();
 }
 
+void Viewport::setLampMarks(std::vector<Mark> marks)
+{
+    if (marks.empty() && lampMarks_.empty()) return;
+    lampMarks_ = std::move(marks);
+    marksAreNew_ = true;
+    present();
+}
+
 std::optional<QPointF> Viewport::placeIn(glm::vec3 p) const
 {
     const glm::vec4 clip = camera_.projection(aspect()) * camera_.view() * glm::vec4(p, 1.0f);
@@ -210,7 +227,7 @@ bool Viewport::isSettled() const
 {
     const bool isLit = shadowsReady_ && mirrorsReady_ && atlasReady_;
     const bool isDrawn = !isMoving_ && scale_ == 1.0f && isLit && sample_ >= kSamples;
-    return isDrawn && !sceneIsNew_ && !octreeIsNew_ && !mixIsNew_ && !presentOnly_;
+    return isDrawn && !sceneIsNew_ && !lampsAreNew_ && !octreeIsNew_ && !mixIsNew_ && !presentOnly_;
 }
 
 void Viewport::moved()
@@ -271,9 +288,17 @@ void Viewport::applyPending()
         outcome = renderer_->setAtlas(atlas_);
         atlasIsNew_ = false;
     }
-    if (mixIsNew_ || sceneIsNew_) renderer_->setMix(mix_);
-    if (marksAreNew_) renderer_->marks().setMarks(marks_);
-    marksAreNew_ = false;
+    if (outcome && lampsAreNew_ && !sceneIsNew_) {
+        outcome = renderer_->setLamps(*data_);
+        (void)renderer_->drawShadows(kAllShadowsMs); // a lamp that is dragged drags its shadows along
+    }
+    if (mixIsNew_ || lampsAreNew_ || sceneIsNew_) renderer_->setMix(mix_);
+    if (marksAreNew_) {
+        std::vector<Mark> marks = marks_;
+        marks.insert(marks.end(), lampMarks_.begin(), lampMarks_.end());
+        renderer_->marks().setMarks(std::move(marks));
+    }
+    marksAreNew_ = lampsAreNew_ = false;
     sceneIsNew_ = octreeIsNew_ = mixIsNew_ = false;
     uploadComparison();
     if (!outcome) Q_EMIT problem(QString::fromStdString(outcome.error().message));

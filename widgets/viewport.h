@@ -27,6 +27,8 @@ public:
 
     /// Null: empty. `keepCamera`: the same place in the file's frame, for a scene that was read again.
     void setScene(std::shared_ptr<const DrawData> drawn, bool keepCamera = false);
+    /// The same scene with lamps elsewhere: direct light and shadows follow in the next picture.
+    void setLamps(std::shared_ptr<const DrawData> drawn);
     void setLight(const BakeView& view);
     void setBusy(bool busy); ///< a bake wants the processor
     void setMix(const Mix& mix);
@@ -44,8 +46,9 @@ public:
     /// Part of the width, from the left, that reference or errors take; nothing: all of it.
     void setWipe(std::optional<float> part);
     void setIndirectOnly(bool only);
-    void setPicking(bool on);               ///< the next click of the left button picks; Alt+click always does
-    void setMarks(std::vector<Mark> marks); ///< drawn over the picture
+    void setPicking(bool on);                   ///< the next click of the left button picks; Alt+click always does
+    void setMarks(std::vector<Mark> marks);     ///< drawn over the picture
+    void setLampMarks(std::vector<Mark> marks); ///< likewise, and apart from the others
     /// Where a point of the scene stands in the widget; nothing behind the eye.
     [[nodiscard]] std::optional<QPointF> placeIn(glm::vec3 p) const;
     void setExposure(float ev);
@@ -131,8 +134,8 @@ private:
     bool errorsShown_ = false, referenceIsNew_ = false, photonsAreNew_ = false, errorsAreNew_ = false,
          presentOnly_ = false;
     std::optional<float> wipe_;
-    std::vector<Mark> marks_;
-    bool isPicking_ = false, marksAreNew_ = false;
+    std::vector<Mark> marks_, lampMarks_;
+    bool isPicking_ = false, marksAreNew_ = false, lampsAreNew_ = false;
     Mix mix_;
     bool sceneIsNew_ = false, octreeIsNew_ = false, coloursAreNew_ = false, mixIsNew_ = false, needsMetering_ = false;
     bool isMoving_ = false, shadowsReady_ = false, mirrorsReady_ = false, toldSettled_ = false;

@@ -18,8 +18,14 @@ DrawVertex vertexOf(const Mesh& mesh, std::uint32_t i)
     return v;
 }
 
+/// What is drawn of a scene while it grows.
+struct Lists {
+    std::vector<DrawVertex> vertices;
+    std::vector<std::uint32_t> indices;
+};
+
 /// Three vertices of their own per triangle, so that each has its face's normal.
-void addFlat(const Mesh& mesh, DrawData& out)
+void addFlat(const Mesh& mesh, Lists& out)
 {
     for (const glm::uvec3& triangle : mesh.triangles) {
         DrawVertex corners[3] = {vertexOf(mesh, triangle.x), vertexOf(mesh, triangle.y), vertexOf(mesh, triangle.z)};
@@ -34,7 +40,7 @@ void addFlat(const Mesh& mesh, DrawData& out)
     }
 }
 
-void addSmooth(const Mesh& mesh, DrawData& out)
+void addSmooth(const Mesh& mesh, Lists& out)
 {
     const auto base = static_cast<std::uint32_t>(out.vertices.size());
     for (std::uint32_t i = 0; i < mesh.positions.size(); ++i) out.vertices.push_back(vertexOf(mesh, i));
@@ -49,19 +55,32 @@ std::shared_ptr<const DrawData> makeDrawData(std::shared_ptr<const Scene> scene)
 {
     auto data = std::make_shared<DrawData>();
     data->scene = std::move(scene);
+    Lists lists;
     for (const Mesh& mesh : data->scene->meshes) {
         DrawData::Range range;
-        range.first = static_cast<std::uint32_t>(data->indices.size());
+        range.first = static_cast<std::uint32_t>(lists.indices.size());
         if (mesh.normals.empty()) {
-            addFlat(mesh, *data);
+            addFlat(mesh, lists);
         } else {
-            addSmooth(mesh, *data);
+            addSmooth(mesh, lists);
         }
-        range.count = static_cast<std::uint32_t>(data->indices.size()) - range.first;
+        range.count = static_cast<std::uint32_t>(lists.indices.size()) - range.first;
         data->meshes.push_back(range);
     }
+    data->vertices = std::move(lists.vertices);
+    data->indices = std::move(lists.indices);
     addPreviewLights(*data);
     return data;
+}
+
+std::shared_ptr<const DrawData> withLamps(const DrawData& data, std::shared_ptr<const Scene> scene)
+{
+    auto edited = std::make_shared<DrawData>(data);
+    edited->scene = std::move(scene);
+    edited->lights.clear();
+    edited->lampMessage.clear();
+    addPreviewLights(*edited);
+    return edited;
 }
 
 } // namespace lightloom

@@ -33,8 +33,8 @@ struct DrawData {
         std::uint32_t first = 0, count = 0; ///< indices
     };
     std::shared_ptr<const Scene> scene;
-    std::vector<DrawVertex> vertices;
-    std::vector<std::uint32_t> indices;
+    SharedList<DrawVertex> vertices;
+    SharedList<std::uint32_t> indices;
     std::vector<Range> meshes; ///< as Scene::meshes
     std::vector<PreviewLight> lights;
     std::string lampMessage; ///< what the preview of direct light leaves out; empty: nothing
@@ -43,5 +43,8 @@ struct DrawData {
 /// Meshes without normals get flat ones. Shining surfaces become up to 8 patches, fewer where many lamps share the
 /// shadow maps; lamps beyond 16 are left out and named in `lampMessage`.
 [[nodiscard]] std::shared_ptr<const DrawData> makeDrawData(std::shared_ptr<const Scene> scene);
+
+/// The same for an edit of the scene's lamps: everything else is shared.
+[[nodiscard]] std::shared_ptr<const DrawData> withLamps(const DrawData& data, std::shared_ptr<const Scene> scene);
 
 } // namespace lightloom

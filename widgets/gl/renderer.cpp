@@ -82,6 +82,12 @@ Result<Done> Renderer::setScene(std::shared_ptr<const DrawData> data)
     return shadows_.setScene(*data);
 }
 
+Result<Done> Renderer::setLamps(const DrawData& data)
+{
+    environments_->forget();
+    return shadows_.setLamps(data);
+}
+
 Result<Done> Renderer::setOctree(const std::shared_ptr<const GpuOctree>& octree)
 {
     environments_->forget();

@@ -46,6 +46,8 @@ public:
 
     /// Null empties the picture. The light of an earlier scene goes. Error: out of what the driver offers.
     Result<Done> setScene(std::shared_ptr<const DrawData> data);
+    /// An edit of the scene's lamps; its light stays until other comes.
+    Result<Done> setLamps(const DrawData& data);
     Result<Done> setOctree(const std::shared_ptr<const GpuOctree>& octree);
     Result<Done> setColours(const std::shared_ptr<const GpuOctree>& octree); ///< a colour octree
     void setMix(const Mix& mix);

@@ -38,9 +38,10 @@ SceneBuffers::SceneBuffers(Gl& gl, std::shared_ptr<const DrawData> data)
     gl_.glBindBuffer(GL_ARRAY_BUFFER, vertices_.id());
     const std::size_t vertexBytes = data_->vertices.size() * sizeof(DrawVertex);
     const std::size_t indexBytes = data_->indices.size() * sizeof(std::uint32_t);
-    gl_.glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertexBytes), data_->vertices.data(), GL_STATIC_DRAW);
+    gl_.glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertexBytes), data_->vertices.all().data(),
+                     GL_STATIC_DRAW);
     gl_.glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.id());
-    gl_.glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indexBytes), data_->indices.data(),
+    gl_.glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indexBytes), data_->indices.all().data(),
                      GL_STATIC_DRAW);
     attribute(gl_, 0, 3, offsetof(DrawVertex, position));
     attribute(gl_, 1, 3, offsetof(DrawVertex, normal));

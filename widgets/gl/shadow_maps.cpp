@@ -55,7 +55,7 @@ void ShadowMaps::addCube(const PreviewLight& light, float reach, SampleLight& ou
         if (light.kind == shader::kLampSurface && glm::dot(face[2], light.travel) < -0.82f) continue;
         const float k = cubeScaleOf(cubeSide_);
         layers_.push_back({true, index, perspective(light.position, face[0], face[1], face[2], k, reach),
-                           glm::vec4(light.position, 1.0f), glm::vec2(0.0f, 1.0f / reach)});
+                           glm::vec4(light.position, 1.0f), glm::vec2(0.0f, 1.0f / reach), false});
     }
     out.texel.x = 2.0f / static_cast<float>(cubeSide_);
 }
@@ -69,7 +69,8 @@ void ShadowMaps::addSpot(const PreviewLight& light, float reach, SampleLight& ou
     matrices_.push_back(perspective(light.position, s, t, light.travel, 1.0f / spread, reach));
     out.shadow = glm::vec4(static_cast<float>(index), 0.0f, 0.0f, 1.0f / reach);
     out.texel = glm::vec4(2.0f * spread / static_cast<float>(flatSide_), static_cast<float>(index), 0.0f, 0.0f);
-    layers_.push_back({false, index, matrices_.back(), glm::vec4(light.position, 1.0f), glm::vec2(0.0f, 1.0f / reach)});
+    layers_.push_back(
+        {false, index, matrices_.back(), glm::vec4(light.position, 1.0f), glm::vec2(0.0f, 1.0f / reach), false});
 }
 
 void ShadowMaps::addSun(const PreviewLight& light, const Bounds& bounds, SampleLight& out)
@@ -97,7 +98,7 @@ void ShadowMaps::addSun(const PreviewLight& light, const Bounds& bounds, SampleL
     out.shadow = glm::vec4(static_cast<float>(index), 0.0f, range.x, range.y);
     const float texel = glm::max(high.x - low.x, high.y - low.y) / static_cast<float>(flatSide_);
     out.texel = glm::vec4(texel, static_cast<float>(index), 0.0f, 0.0f);
-    layers_.push_back({false, index, matrix, glm::vec4(light.travel, 0.0f), range});
+    layers_.push_back({false, index, matrix, glm::vec4(light.travel, 0.0f), range, false});
 }
 
 void ShadowMaps::plan(const DrawData& data)
@@ -168,9 +169,29 @@ Result<Done> ShadowMaps::allocate()
 Result<Done> ShadowMaps::setScene(const DrawData& data)
 {
     plan(data);
-    next_ = 0;
+    undrawn_ = layers_.size();
     const Result<Done> allocated = allocate();
     if (!allocated) return allocated.error();
+    setMix({});
+    return Done{};
+}
+
+Result<Done> ShadowMaps::setLamps(const DrawData& data)
+{
+    const std::vector<Layer> before = std::move(layers_);
+    const std::size_t flat = matrices_.size();
+    const int cubes = cubeLayers_, side = cubeSide_;
+    plan(data);
+    if (matrices_.size() != flat || cubeLayers_ != cubes || cubeSide_ != side) return setScene(data);
+    undrawn_ = 0;
+    for (Layer& layer : layers_) {
+        const auto isSame = [&](const Layer& old) {
+            return old.isDrawn && old.inCube == layer.inCube && old.index == layer.index && old.lamp == layer.lamp &&
+                   old.range == layer.range && old.viewProjection == layer.viewProjection;
+        };
+        layer.isDrawn = std::ranges::any_of(before, isSame);
+        undrawn_ += layer.isDrawn ? 0 : 1;
+    }
     setMix({});
     return Done{};
 }
@@ -186,8 +207,10 @@ bool ShadowMaps::draw(const SceneBuffers& scene, const GlProgram& shadow, double
     gl_.glDepthMask(GL_TRUE);
     gl_.glDisable(GL_BLEND);
     shadow.use();
-    do {
-        const Layer& layer = layers_[next_++];
+    for (Layer& layer : layers_) {
+        if (layer.isDrawn) continue;
+        layer.isDrawn = true;
+        --undrawn_;
         const int side = layer.inCube ? cubeSide_ : flatSide_;
         gl_.glFramebufferTextureLayer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, layer.inCube ? cube_.id() : flat_.id(), 0,
                                       layer.index);
@@ -199,7 +222,8 @@ bool ShadowMaps::draw(const SceneBuffers& scene, const GlProgram& shadow, double
         scene.draw(shadow, false, 1.0f);
         ++layersDrawn_;
         gl_.glFinish(); // else the budget would measure how fast commands are queued
-    } while (!isComplete() && static_cast<double>(clock.nsecsElapsed()) < budgetMs * 1e6);
+        if (static_cast<double>(clock.nsecsElapsed()) >= budgetMs * 1e6) break;
+    }
     return isComplete();
 }
 

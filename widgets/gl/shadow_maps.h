@@ -13,9 +13,12 @@ public:
 
     /// Allocates layers for the lights of `data` and marks them undrawn. Error: the driver refuses the textures.
     Result<Done> setScene(const DrawData& data);
+    /// The same lamps, some of them elsewhere: layers of the others stay drawn. Where they need other layers than
+    /// before, all are allocated and drawn anew.
+    Result<Done> setLamps(const DrawData& data);
     /// Draws undrawn layers for about `budgetMs`, at least one. True when none is left.
     bool draw(const SceneBuffers& scene, const GlProgram& shadow, double budgetMs);
-    [[nodiscard]] bool isComplete() const { return next_ == layers_.size(); }
+    [[nodiscard]] bool isComplete() const { return undrawn_ == 0; }
     /// Gain per light group; groups without one count 1.
     void setMix(const Mix& mix);
     /// Hands lights and maps to mode_direct.frag, which is in use: units `unit` and `unit` + 1.
@@ -30,6 +33,7 @@ private:
         glm::mat4 viewProjection{1.0f};
         glm::vec4 lamp{0.0f}; ///< as shadow.frag wants it
         glm::vec2 range{0.0f, 1.0f};
+        bool isDrawn = false;
     };
     /// std140 of mode_direct.frag.
     struct SampleLight {
@@ -49,7 +53,7 @@ private:
     std::vector<SampleLight> samples_; ///< at gain 1
     std::vector<glm::mat4> matrices_;  ///< of flat layers
     std::vector<Layer> layers_;
-    std::size_t next_ = 0;
+    std::size_t undrawn_ = 0;
     int cubeLayers_ = 0, cubeSide_ = 1, flatSide_ = 1, layersDrawn_ = 0;
 };
 
