@@ -25,10 +25,6 @@ double timed(Body body)
     return cpuSeconds(CpuOf::thread) - began;
 }
 
-struct Ray {
-    glm::vec3 origin, travel;
-};
-
 /// The rays of real photon paths: emitted, then scattered as the tracer does.
 std::vector<Ray> recordRays(const RayScene& rays, const LightSampler& lights, std::size_t wanted)
 {
@@ -89,24 +85,27 @@ std::shared_ptr<const PhotonPaths> benchTracer(const std::string& name, const Ra
     job.count = 200'000;
     const std::vector<Ray> recorded = recordRays(rays, lights, 400'000);
     std::shared_ptr<const PhotonPaths> paths;
-    std::vector<double> ratios;
-    double raysPerSecond = 0.0, bare = 0.0;
+    std::vector<double> single, together, gain;
+    double rays1 = 0.0, rays8 = 0.0, bare = 0.0;
+    const auto perRay = [&](bool oneByOne) {
+        job.oneByOne = oneByOne;
+        const double seconds = timed([&] { paths = tracePhotons(rays, lights, job, one, {}); });
+        return seconds / static_cast<double>(paths->rays);
+    };
     for (int round = 0; round < 5; ++round) {
         const double e = timed([&] { bareEmbree(rays, recorded); }) / static_cast<double>(recorded.size());
-        const double t =
-            timed([&] { paths = tracePhotons(rays, lights, job, one, {}); }) / static_cast<double>(paths->rays);
-        ratios.push_back(e / t);
-        raysPerSecond = 1e-6 / t;
-        bare = 1e-6 / e;
+        const double t1 = perRay(true), t8 = perRay(false);
+        single.push_back(e / t1), together.push_back(e / t8), gain.push_back(t1 / t8);
+        rays1 = 1e-6 / t1, rays8 = 1e-6 / t8, bare = 1e-6 / e;
     }
-    fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.0f} % |\n", name, rays.triangleCount(), raysPerSecond, bare,
-               100.0 * median(ratios));
+    fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.0f} % | {:.0f} % | {:.2f} |\n", name, rays.triangleCount(),
+               rays1, rays8, bare, 100.0 * median(single), 100.0 * median(together), median(gain));
     return paths;
 }
 
 /// Positions as nanoflann wants to see them.
 struct Cloud {
-    const std::vector<Photon>& photons;
+    const RawVector<Photon>& photons;
     [[nodiscard]] std::size_t kdtree_get_point_count() const { return photons.size(); }
     [[nodiscard]] float kdtree_get_pt(std::size_t i, std::size_t axis) const
     {
@@ -172,8 +171,8 @@ int main(int argc, char** argv)
 {
     std::vector<std::string> names(argv + 1, argv + argc);
     if (names.empty()) names = {"cornell", "two_rooms", "atrium", "figure", "figure:70000", "figure:200000"};
-    fmt::print(
-        "| scene | triangles | tracer, M rays/s | bare rtcIntersect1, M rays/s | share |\n|---|---|---|---|---|\n");
+    fmt::print("| scene | triangles | one by one, M rays/s | eight together | bare rtcIntersect1 | share one by one | "
+               "share together | together against one by one |\n|---|---|---|---|---|---|---|---|\n");
     std::shared_ptr<const PhotonPaths> first;
     std::vector<SurfacePoint> queries;
     for (const std::string& name : names) {

@@ -134,6 +134,32 @@ private Q_SLOTS:
         }
     }
 
+    void circlePointsAreSinesAndCosines()
+    {
+        for (int i = 0; i <= 1'000'000; ++i) {
+            const float turns = static_cast<float>(i) * 1e-6f;
+            const double angle = 2.0 * std::numbers::pi * static_cast<double>(turns);
+            const glm::vec2 p = circlePoint(turns);
+            QVERIFY2(std::abs(static_cast<double>(p.x) - std::cos(angle)) <= 2e-7 &&
+                         std::abs(static_cast<double>(p.y) - std::sin(angle)) <= 2e-7,
+                     qPrintable(QString::number(static_cast<double>(turns), 'g', 9)));
+        }
+    }
+
+    void pairsOfUniformNumbersAreIndependent()
+    {
+        RunningMean first, second, product;
+        Rng rng(11, 12, 13);
+        for (int i = 0; i < 400'000; ++i) {
+            const auto [a, b] = rng.uniformPair();
+            QVERIFY(a >= 0.0f && a < 1.0f && b >= 0.0f && b < 1.0f);
+            first.add(a), second.add(b), product.add((a - 0.5) * (b - 0.5));
+        }
+        QVERIFY(std::abs(first.mean() - 0.5) <= 4.9 * first.standardError());
+        QVERIFY(std::abs(second.mean() - 0.5) <= 4.9 * second.standardError());
+        QVERIFY(std::abs(product.mean()) <= 4.9 * product.standardError());
+    }
+
     void framesAreOrthonormal()
     {
         for (std::uint64_t i = 0; i < 10'000; ++i) {

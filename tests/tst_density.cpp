@@ -5,13 +5,16 @@
 #include "core/base/sampling.h"
 #include "core/base/units.h"
 #include "core/photonmap/density.h"
+#include "core/scene/sample_scenes.h"
 #include "core/scene/scene_builder.h"
 #include "core/scene/shapes.h"
+#include "tests/light_helpers.h"
 #include <QtTest>
 #include <array>
 #include <cmath>
 
 using namespace lightloom;
+using namespace lightloom::test;
 
 namespace {
 
@@ -80,6 +83,9 @@ Mean meanOver(const Floor& floor, double x, double z, const DensityKernel& kerne
 
 } // namespace
 
+/// A radius beside which no facet is small: all are cut exactly.
+constexpr float kAllExact = 1e-9f;
+
 class DensityTest : public QObject {
     Q_OBJECT
 private Q_SLOTS:
@@ -135,14 +141,50 @@ private Q_SLOTS:
             std::array<AreaMoments, 5> all;
             floor.area->under(place, radii, all);
             for (std::size_t i = 0; i < radii.size(); ++i) {
-                std::array<AreaMoments, 1> one;
-                floor.area->under(place, std::span(radii).subspan(i, 1), one);
-                QVERIFY(std::abs(all[i].area - one[0].area) <= 1e-9);
-                QVERIFY(std::abs(all[i].xy - one[0].xy) <= 1e-9);
-                QVERIFY(std::abs(all[i].first.x - one[0].first.x) <= 1e-9);
+                const std::array alone{kAllExact, radii[i]};
+                std::array<AreaMoments, 2> one;
+                floor.area->under(place, alone, one);
+                QVERIFY(std::abs(all[i].area - one[1].area) <= 1e-9);
+                QVERIFY(std::abs(all[i].xy - one[1].xy) <= 1e-9);
+                QVERIFY(std::abs(all[i].first.x - one[1].first.x) <= 1e-9);
             }
             QVERIFY(all[2].area > 0.3 && all[4].area > 20.0);
         }
+    }
+
+    void smallFacetsCountAsPatches() // against the exact sums, over a body of 24,000 triangles
+    {
+        const LitScene lit(*sampleScene("figure"));
+        Workers workers;
+        const auto reach = LightReach::find(*lit.rays, *lit.lights, workers, {});
+        const auto area = SurfaceArea::build(*reach);
+        std::array radii{0.0067f, 0.0118f, 0.0205f};
+        std::array<RunningMean, 3> error, second;
+        double worst = 0.0;
+        for (const SurfacePoint& at : samplePoints(*lit.rays, *lit.lights, *reach, 2000, 1)) {
+            const KernelPlace place{at.position, at.normal, 1.0f, 0.5f};
+            std::array<AreaMoments, 3> patches;
+            area->under(place, radii, patches);
+            const std::array withTiny{kAllExact, radii[0], radii[1], radii[2]};
+            std::array<AreaMoments, 4> exact;
+            area->under(place, withTiny, exact);
+            for (std::size_t j = 0; j < 3; ++j) {
+                const AreaMoments disc = momentsOfDisc(static_cast<double>(radii[j]));
+                error[j].add((patches[j].area - exact[j + 1].area) / disc.area);
+                second[j].add((patches[j].yy - exact[j + 1].yy) / disc.yy);
+                worst = std::max(worst, std::abs(patches[j].area - exact[j + 1].area) / disc.area);
+            }
+        }
+        const auto rms = [](const RunningMean& m) {
+            return std::hypot(m.mean(), m.standardError() * std::sqrt(2000.0));
+        };
+        for (std::size_t j = 0; j < 3; ++j) {
+            QVERIFY2(rms(error[j]) > 1e-5, "no facet was small");
+            QVERIFY2(std::abs(error[j].mean()) <= 2e-4, qPrintable(QString::number(error[j].mean())));
+            QVERIFY2(rms(error[j]) <= 4e-3, qPrintable(QString::number(rms(error[j]))));
+            QVERIFY2(std::abs(second[j].mean()) <= 5e-4, qPrintable(QString::number(second[j].mean())));
+        }
+        QVERIFY2(worst <= 0.05, qPrintable(QString::number(worst)));
     }
 
     void planeMeetsALinearDensity_data()

@@ -5,6 +5,7 @@
 #include "core/photonmap/photon_map.h"
 #include <QtTest>
 #include <algorithm>
+#include <cstring>
 
 using namespace lightloom;
 
@@ -68,6 +69,37 @@ private Q_SLOTS:
                 QVERIFY(gathered.radius <= q.radius);
             }
         }
+    }
+
+    void guessesChangeNothing()
+    {
+        const auto map = PhotonMap::build(randomPaths(5000));
+        const GatherQuery q{{0.4f, 0.1f, 0.3f}, {0, 1, 0}, 0.4f, 1.0f, -2.0f, 120};
+        for (const float guess : {0.0f, 1e-6f, 0.05f, 0.1f, 0.39f, 7.0f}) {
+            Gathered gathered;
+            gathered.expected = guess;
+            map->gather(q, gathered);
+            std::ranges::sort(gathered.photons);
+            QVERIFY(gathered.isFull && gathered.photons == bruteForce(*map, q));
+        }
+    }
+
+    void photonsLieInTheTreesOrder()
+    {
+        const auto paths = randomPaths(5000);
+        const auto map = PhotonMap::build(paths);
+        const std::vector<std::uint32_t> order = map->listOrder();
+        for (std::uint32_t i = 0; i < order.size(); ++i) {
+            QCOMPARE(map->origin(order[i]), i);
+            QVERIFY(std::memcmp(&map->photon(order[i]), &paths->photons[i], sizeof(Photon)) == 0);
+        }
+        // from its own order the same tree comes out again
+        const auto again = PhotonMap::build(std::make_shared<PhotonPaths>(map->paths()));
+        for (std::uint32_t i = 0; i < order.size(); ++i) QCOMPARE(again->origin(i), i);
+        double apart = 0.0;
+        for (std::uint32_t i = 1; i < order.size(); ++i)
+            apart += static_cast<double>(glm::distance(map->photon(i).position, map->photon(i - 1).position));
+        QVERIFY(apart / 5000.0 < 0.1); // random ones are .6 apart
     }
 
     void survivesNothingAndOnePoint()

@@ -42,10 +42,9 @@ void storePhotons(const PhotonMapField& field, const Scene& scene, VdbFile& file
         file.set(shotKey(group), static_cast<std::int64_t>(map->paths().shot));
         const std::vector<glm::ivec3> places = placesOf(map->size());
         std::vector<glm::vec3> values(places.size());
+        const std::vector<std::uint32_t> order = map->listOrder();
         for (const Quantity& quantity : kQuantities) {
-            for (std::size_t i = 0; i < values.size(); ++i) {
-                values[i] = map->photon(static_cast<std::uint32_t>(i)).*quantity.field;
-            }
+            for (std::size_t i = 0; i < values.size(); ++i) values[i] = map->photon(order[i]).*quantity.field;
             file.add(gridName(group, quantity.name), {}, places, values);
         }
         const auto& cache = field.layers()[g].cache;

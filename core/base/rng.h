@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <string_view>
+#include <utility>
 
 namespace lightloom {
 
@@ -25,15 +26,26 @@ namespace lightloom {
 /// of a light group is the same photon on any thread, in any order, on any machine.
 class Rng {
 public:
-    Rng(std::uint64_t seed, std::uint64_t stream, std::uint64_t item)
-        : state_(mixBits(mixBits(mixBits(seed + kStep) ^ stream) + kStep * (item + 1)))
+    Rng(std::uint64_t seed, std::uint64_t stream, std::uint64_t item) : Rng(streamKey(seed, stream), item) {}
+
+    /// What all items of a stream share: worth keeping where many are made.
+    static std::uint64_t streamKey(std::uint64_t seed, std::uint64_t stream)
     {
+        return mixBits(mixBits(seed + kStep) ^ stream);
     }
+    Rng(std::uint64_t streamKey, std::uint64_t item) : state_(mixBits(streamKey + kStep * (item + 1))) {}
 
     std::uint64_t bits() { return mixBits(state_ += kStep); }
 
     /// Uniform in [0, 1): 24 bits, so that 1 never comes out of the conversion.
     float uniform() { return static_cast<float>(bits() >> 40) * 0x1p-24f; }
+
+    /// Two independent ones from one step.
+    std::pair<float, float> uniformPair()
+    {
+        const std::uint64_t word = bits();
+        return {static_cast<float>(word >> 40) * 0x1p-24f, static_cast<float>(word >> 16 & 0xFFFFFFu) * 0x1p-24f};
+    }
 
     /// Uniform in [0, 1) with 53 bits, for places where 2^-24 steps would show.
     double uniformDouble() { return static_cast<double>(bits() >> 11) * 0x1p-53; }

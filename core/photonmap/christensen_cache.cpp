@@ -9,16 +9,20 @@ namespace {
 
 constexpr std::size_t kBlock = 256; ///< points that one thread takes at a time
 
-std::size_t pointsOf(const PhotonMap& map)
+/// Numbers of the photons that are kept, in the order they were shot.
+std::vector<std::uint32_t> pointsOf(const PhotonMap& map)
 {
-    return (map.size() + ChristensenCache::kEvery - 1) / ChristensenCache::kEvery;
+    const std::vector<std::uint32_t> all = map.listOrder();
+    std::vector<std::uint32_t> points;
+    points.reserve(all.size() / ChristensenCache::kEvery + 1);
+    for (std::size_t i = 0; i < all.size(); i += ChristensenCache::kEvery) points.push_back(all[i]);
+    return points;
 }
 
 /// Density estimation at a photon; `values` are as large as there are points.
-void estimate(const PhotonMap& map, const SurfaceArea& area, const DensityKernel& kernel, std::size_t point,
-              Gathered& gathered, ChristensenCache::Values& values)
+void estimate(const PhotonMap& map, const SurfaceArea& area, const DensityKernel& kernel, const Photon& photon,
+              std::size_t point, Gathered& gathered, ChristensenCache::Values& values)
 {
-    const Photon& photon = map.photon(static_cast<std::uint32_t>(point * ChristensenCache::kEvery));
     const Density density = estimateDensity(map, area, kernel, photon.position, photon.normal, gathered);
     values.lux[point] = glm::vec3(density.lux);
     values.noise[point] = static_cast<float>(density.noise);
@@ -30,14 +34,15 @@ std::shared_ptr<const ChristensenCache> ChristensenCache::build(const PhotonMap&
                                                                 const DensityKernel& kernel, BakeControl& control,
                                                                 const std::function<void(double)>& progress)
 {
-    const std::size_t count = pointsOf(map), blocks = (count + kBlock - 1) / kBlock;
+    const std::vector<std::uint32_t> points = pointsOf(map);
+    const std::size_t count = points.size(), blocks = (count + kBlock - 1) / kBlock;
     Values values{std::vector<glm::vec3>(count), std::vector<float>(count)};
     std::atomic<std::size_t> done = 0;
     const bool all = control.forBlocks(blocks, [&](std::size_t block) {
         thread_local Gathered gathered;
         for (std::size_t i = block * kBlock; i < std::min(count, (block + 1) * kBlock); ++i) {
             if (control.isStopped()) return;
-            estimate(map, area, kernel, i, gathered, values);
+            estimate(map, area, kernel, map.photon(points[i]), i, gathered, values);
         }
         if (progress) progress(static_cast<double>(++done) / static_cast<double>(blocks));
     });
@@ -48,12 +53,12 @@ std::shared_ptr<const ChristensenCache> ChristensenCache::build(const PhotonMap&
 std::shared_ptr<const ChristensenCache> ChristensenCache::from(const PhotonMap& map, const DensityKernel& kernel,
                                                                Values values, const std::stop_token& stop)
 {
-    const std::size_t count = pointsOf(map);
-    if (values.lux.size() != count || values.noise.size() != count) return nullptr;
+    const std::vector<std::uint32_t> numbers = pointsOf(map);
+    if (values.lux.size() != numbers.size() || values.noise.size() != numbers.size()) return nullptr;
     auto kept = std::make_shared<PhotonPaths>();
-    kept->photons.reserve(count);
-    for (std::size_t i = 0; i < count; ++i) kept->photons.push_back(map.photon(static_cast<std::uint32_t>(i * kEvery)));
-    auto points = PhotonMap::build(std::move(kept), stop);
+    kept->photons.reserve(numbers.size());
+    for (const std::uint32_t number : numbers) kept->photons.push_back(map.photon(number));
+    auto points = PhotonMap::build(kept, stop);
     if (!points) return nullptr;
     return std::shared_ptr<const ChristensenCache>(new ChristensenCache(std::move(points), kernel, std::move(values)));
 }
@@ -63,7 +68,7 @@ std::optional<ChristensenCache::Found> ChristensenCache::lookup(glm::vec3 p, glm
     thread_local Gathered gathered;
     points_->gather({p, n, kernel_.cap, kernel_.stretch, kernel_.leastCosine, 1}, gathered);
     if (gathered.photons.empty()) return std::nullopt;
-    const std::uint32_t nearest = gathered.photons.front();
+    const std::uint32_t nearest = points_->origin(gathered.photons.front()); // values are in the order of their list
     return Found{values_.lux[nearest], values_.noise[nearest]};
 }
 

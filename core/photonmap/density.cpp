@@ -142,9 +142,14 @@ private:
 struct Weights {
     glm::dvec3 w;
     double spread = 0.0; ///< 1/m2
+    glm::dvec3 slope;    ///< of the estimate over a photon's flux: other than `w` where the photons choose the weights
 };
 
-Weights meanWeights(const AreaMoments& m) { return {{1.0 / m.area, 0.0, 0.0}, 1.0 / m.area}; }
+Weights meanWeights(const AreaMoments& m)
+{
+    const glm::dvec3 w(1.0 / m.area, 0.0, 0.0);
+    return {w, w.x, w};
+}
 
 /// Of the value at the origin of the plane with the same moments; of the mean where the surface is too thin for one.
 Weights planeWeights(const AreaMoments& m, double radius)
@@ -154,7 +159,7 @@ Weights planeWeights(const AreaMoments& m, double radius)
     const double determinant = glm::dot(a, cofactors), r2 = radius * radius;
     if (!(determinant > kThinnest * m.area * m.area * m.area * r2 * r2)) return meanWeights(m);
     const glm::dvec3 w = cofactors / determinant;
-    return {w, w.x};
+    return {w, w.x, w};
 }
 
 /// The plane as far as the photons call for it, else the mean: in a corner a plane has 16 times the variance of a mean.
@@ -166,7 +171,9 @@ Weights fitted(const PhotonSums& sums, const AreaMoments& m, double radius, Gath
     const double apart = sums.value(plane.w) - sums.value(mean.w), noise = sums.noise(mean.w);
     const double expected = noise * noise * (plane.spread / mean.spread - 1.0); // of apart^2 where light is even
     const double share = apart * apart > 0.0 ? apart * apart / (apart * apart + kReserve * expected) : 0.0;
-    return {glm::mix(mean.w, plane.w, share), glm::mix(mean.spread, plane.spread, share * share)};
+    const double slope = share * (3.0 - 2.0 * share); // of share * apart over apart
+    return {glm::mix(mean.w, plane.w, share), glm::mix(mean.spread, plane.spread, share * share),
+            glm::mix(mean.w, plane.w, slope)};
 }
 
 } // namespace
@@ -203,7 +210,7 @@ Density estimateDensity(const PhotonMap& map, const SurfaceArea& area, const Den
         const double noise = unbiased * sums.noise(fit.w);
         if (kernel.adapts && !agreement.holds(static_cast<double>(luminance(glm::vec3(lux))), noise, fit.spread)) break;
         taken = count;
-        density.lux = lux, density.noise = noise, density.perFlux = unbiased / m.area;
+        density.lux = lux, density.noise = unbiased * sums.noise(fit.slope), density.perFlux = unbiased / m.area;
         density.isDegenerate = isDegenerate && count > 0;
         gathered.radius = kernels.radii[j], gathered.isFull = isFull;
     }

@@ -14,10 +14,22 @@ double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 /// Signed, of the triangle (origin, p, q).
 AreaMoments triangle(glm::dvec2 p, glm::dvec2 q) { return momentsOfTriangle(glm::dvec2(0.0), p, q, 0.5 * cross(p, q)); }
 
+/// Signed angle from p to q.
+double turnFrom(glm::dvec2 p, glm::dvec2 q)
+{
+    const double sine = cross(p, q), cosine = glm::dot(p, q);
+    if (!(std::abs(sine) < 0.2 * cosine)) return std::atan2(sine, cosine);
+    const double t = sine / cosine, tt = t * t; // most turns are small: the series, exact to 1e-13
+    return t * (1.0 +
+                tt * (-1.0 / 3 +
+                      tt * (1.0 / 5 +
+                            tt * (-1.0 / 7 + tt * (1.0 / 9 + tt * (-1.0 / 11 + tt * (1.0 / 13 + tt * (-1.0 / 15))))))));
+}
+
 /// Signed, of the sector of the disc between the directions of p and q.
 AreaMoments sector(glm::dvec2 p, glm::dvec2 q, double r)
 {
-    const double turn = std::atan2(cross(p, q), glm::dot(p, q));
+    const double turn = turnFrom(p, q);
     const double lp = glm::length(p), lq = glm::length(q);
     if (!(lp > 0.0 && lq > 0.0)) return {};
     // sines and cosines of the two directions; double angles from them

@@ -36,36 +36,58 @@ int widestAxis(glm::vec3 size)
 
 } // namespace
 
-std::shared_ptr<const PhotonMap> PhotonMap::build(std::shared_ptr<const PhotonPaths> paths, const std::stop_token& stop)
+std::shared_ptr<const PhotonMap> PhotonMap::build(const std::shared_ptr<const PhotonPaths>& paths,
+                                                  const std::stop_token& stop)
 {
-    const std::shared_ptr<PhotonMap> map(new PhotonMap(std::move(paths)));
-    const std::vector<Photon>& photons = map->paths_->photons;
-    if (photons.empty()) return map;
-    std::vector<Record> records(photons.size());
+    const std::shared_ptr<PhotonMap> map(new PhotonMap);
+    std::vector<Record> records(paths->photons.size());
     for (std::uint32_t i = 0; i < records.size(); ++i) {
         if (i % 65'536 == 0 && stop.stop_requested()) return nullptr;
-        const glm::vec3 p = photons[i].position;
+        const glm::vec3 p = paths->photons[i].position;
         records[i] = {{p.x, p.y, p.z}, i};
     }
-    const auto blocks = static_cast<std::uint32_t>((photons.size() + kBlock - 1) / kBlock);
+    const auto blocks = static_cast<std::uint32_t>((records.size() + kBlock - 1) / kBlock);
     map->blocks_.resize(blocks);
     map->nodes_.resize(2 * std::size_t(std::bit_ceil(blocks)));
-    map->split(records, 0, blocks, 0, stop);
-    if (stop.stop_requested()) return nullptr;
+    if (blocks > 0) map->split(records, 0, blocks, 0, stop);
+    if (stop.stop_requested() || !map->takeInOrder(*paths, records, stop)) return nullptr;
+    for (std::uint32_t b = 0; b < blocks; ++b) map->fill(b);
     return map;
 }
 
-void PhotonMap::fill(Block& block, const Record* first, const Record* last) const
+bool PhotonMap::takeInOrder(const PhotonPaths& paths, const std::vector<Record>& records, const std::stop_token& stop)
 {
+    paths_.group = paths.group;
+    paths_.shot = paths.shot, paths_.rays = paths.rays;
+    paths_.caustic = paths.caustic, paths_.cutOff = paths.cutOff;
+    paths_.ledger = paths.ledger;
+    paths_.photons.resize(records.size());
+    origin_.resize(records.size());
+    for (std::size_t i = 0; i < records.size(); ++i) {
+        if (i % 65'536 == 0 && stop.stop_requested()) return false;
+        origin_[i] = records[i].number;
+        paths_.photons[i] = paths.photons[records[i].number];
+    }
+    return true;
+}
+
+std::vector<std::uint32_t> PhotonMap::listOrder() const
+{
+    std::vector<std::uint32_t> order(origin_.size());
+    for (std::uint32_t i = 0; i < origin_.size(); ++i) order[origin_[i]] = i;
+    return order;
+}
+
+void PhotonMap::fill(std::uint32_t number)
+{
+    Block& block = blocks_[number];
     for (std::uint32_t i = 0; i < kBlock; ++i) {
-        const bool used = first + i < last;
+        const std::size_t at = std::size_t(number) * kBlock + i;
+        const bool used = at < paths_.photons.size();
         // an empty place is infinitely far away, and stays so whatever is added to it
-        const float far = std::numeric_limits<float>::infinity();
-        block.number[i] = used ? first[i].number : 0;
-        block.x[i] = used ? first[i].p[0] : far;
-        block.y[i] = used ? first[i].p[1] : far;
-        block.z[i] = used ? first[i].p[2] : far;
-        const glm::vec3 n = used ? paths_->photons[first[i].number].normal : glm::vec3(0.0f);
+        const glm::vec3 p = used ? paths_.photons[at].position : glm::vec3(std::numeric_limits<float>::infinity());
+        const glm::vec3 n = used ? paths_.photons[at].normal : glm::vec3(0.0f);
+        block.x[i] = p.x, block.y[i] = p.y, block.z[i] = p.z;
         block.nx[i] = n.x, block.ny[i] = n.y, block.nz[i] = n.z;
     }
 }
@@ -75,7 +97,10 @@ void PhotonMap::split(std::vector<Record>& records, std::uint32_t firstBlock, st
 {
     Record* first = records.data() + std::size_t(firstBlock) * kBlock;
     Record* last = records.data() + std::min(records.size(), (std::size_t(firstBlock) + blocks) * kBlock);
-    if (blocks == 1) return fill(blocks_[firstBlock], first, last);
+    if (blocks == 1) {
+        std::ranges::sort(first, last, {}, &Record::number); // selection leaves them in any order
+        return;
+    }
     if (blocks > 1024 && stop.stop_requested()) return;
     glm::vec3 low(std::numeric_limits<float>::max()), high(-low);
     for (const Record* r = first; r < last; ++r) {
@@ -95,8 +120,22 @@ void PhotonMap::split(std::vector<Record>& records, std::uint32_t firstBlock, st
 
 std::size_t PhotonMap::memoryBytes() const
 {
-    return blocks_.size() * sizeof(Block) + nodes_.size() * sizeof(Node) + paths_->photons.size() * sizeof(Photon);
+    return blocks_.size() * sizeof(Block) + nodes_.size() * sizeof(Node) +
+           paths_.photons.size() * (sizeof(Photon) + sizeof(std::uint32_t));
 }
+
+namespace {
+
+/// Leaves the `count` least keys. Returns the squared distance of the largest of them.
+float nearest(std::uint32_t count, std::vector<std::uint64_t>& keys)
+{
+    const auto last = keys.begin() + static_cast<std::ptrdiff_t>(count) - 1;
+    std::nth_element(keys.begin(), last, keys.end());
+    keys.resize(count);
+    return std::bit_cast<float>(static_cast<std::uint32_t>(keys.back() >> 32));
+}
+
+} // namespace
 
 /// State of one query. `keys` holds candidates as distance bits above, number below: one integer comparison orders
 /// both.
@@ -105,14 +144,6 @@ struct PhotonMap::Search {
     float stretch; // stretch^2 - 1
     float limit;   // squared distance beyond which nothing is wanted
     std::vector<std::uint64_t>& keys;
-
-    void thin()
-    {
-        const auto k = static_cast<std::ptrdiff_t>(query.count);
-        std::nth_element(keys.begin(), keys.begin() + k - 1, keys.end());
-        keys.resize(query.count);
-        limit = std::bit_cast<float>(static_cast<std::uint32_t>(keys.back() >> 32));
-    }
 };
 
 namespace {
@@ -134,8 +165,9 @@ LIGHTLOOM_WIDE_VECTORS void measure(const float* __restrict x, const float* __re
 
 } // namespace
 
-void PhotonMap::scan(Search& search, const Block& block) const
+void PhotonMap::scan(Search& search, std::uint32_t number) const
 {
+    const Block& block = blocks_[number];
     const GatherQuery& query = search.query;
     const float q[7] = {query.centre.x, query.centre.y, query.centre.z, query.normal.x,
                         query.normal.y, query.normal.z, search.stretch};
@@ -143,16 +175,16 @@ void PhotonMap::scan(Search& search, const Block& block) const
     measure(block.x, block.y, block.z, block.nx, block.ny, block.nz, q, squared, cosine);
     for (std::uint32_t i = 0; i < kBlock; ++i) {
         if (!(squared[i] <= search.limit) || !(cosine[i] > query.leastCosine)) continue;
-        search.keys.push_back(std::uint64_t(std::bit_cast<std::uint32_t>(squared[i])) << 32 | block.number[i]);
+        search.keys.push_back(std::uint64_t(std::bit_cast<std::uint32_t>(squared[i])) << 32 | (number * kBlock + i));
     }
-    if (search.keys.size() >= 2 * std::size_t(query.count)) search.thin();
+    if (search.keys.size() >= 2 * std::size_t(query.count)) search.limit = nearest(query.count, search.keys);
 }
 
 void PhotonMap::descend(Search& search, std::uint32_t firstBlock, std::uint32_t blocks, std::uint32_t node,
                         glm::vec3 offset, float squared) const
 {
     if (squared > search.limit) return;
-    if (blocks == 1) return scan(search, blocks_[firstBlock]);
+    if (blocks == 1) return scan(search, firstBlock);
     const Node here = nodes_[node];
     const float beyond = search.query.centre[here.axis] - here.split;
     const std::uint32_t left = leftBlocks(blocks);
@@ -177,17 +209,26 @@ void PhotonMap::gather(const GatherQuery& query, Gathered& out) const
     out.radius = query.radius;
     out.isFull = false;
     if (blocks_.empty() || query.count == 0) return;
-    Search search{query, query.stretch * query.stretch - 1.0f, query.radius * query.radius, out.keys};
-    descend(search, 0, static_cast<std::uint32_t>(blocks_.size()), 0, glm::vec3(0.0f), 0.0f);
-    if (search.keys.size() >= query.count) {
-        search.thin();
-        out.radius = std::sqrt(search.limit);
+    // if the guess holds enough photons it holds the nearest; if not, the search begins again without it
+    const bool isGuessed = out.expected > 0.0f && out.expected < query.radius;
+    if (isGuessed) collect(query, out.expected, out.keys);
+    if (!isGuessed || out.keys.size() < query.count) {
+        out.keys.clear();
+        collect(query, query.radius, out.keys);
+    }
+    if (out.keys.size() >= query.count) {
+        out.radius = std::sqrt(nearest(query.count, out.keys));
+        out.expected = 1.1f * out.radius;
         out.isFull = true;
     }
-    out.photons.resize(search.keys.size());
-    for (std::size_t i = 0; i < search.keys.size(); ++i) {
-        out.photons[i] = static_cast<std::uint32_t>(search.keys[i]);
-    }
+    out.photons.resize(out.keys.size());
+    for (std::size_t i = 0; i < out.keys.size(); ++i) out.photons[i] = static_cast<std::uint32_t>(out.keys[i]);
+}
+
+void PhotonMap::collect(const GatherQuery& query, float radius, std::vector<std::uint64_t>& keys) const
+{
+    Search search{query, query.stretch * query.stretch - 1.0f, radius * radius, keys};
+    descend(search, 0, static_cast<std::uint32_t>(blocks_.size()), 0, glm::vec3(0.0f), 0.0f);
 }
 
 } // namespace lightloom

@@ -24,19 +24,26 @@ struct Gathered {
     bool isFull = false;                ///< K photons were found
     std::vector<std::uint64_t> keys; ///< the same as (bits of the squared distance as float) << 32 | number; order as
                                      ///< in `photons`; kept between gathers of one thread
+    float expected =
+        0.0f; ///< a guess at the next gather's radius, from the last one: saves time where points lie close
 };
 
 /// kd-tree over one light group's photons: blocks of 16 in structure-of-arrays form under an implicit tree of median
-/// splits, candidates kept as (distance, number) keys and thinned by selection, not by a heap. Any thread may query.
+/// splits, candidates kept as (distance, number) keys and thinned by selection, not by a heap. Photons lie, and are
+/// numbered, in the tree's order, so that those of a kernel lie together. Any thread may query.
 class PhotonMap {
 public:
     /// Builds the tree, O(n log n). Null: stopped.
-    static std::shared_ptr<const PhotonMap> build(std::shared_ptr<const PhotonPaths> paths,
+    static std::shared_ptr<const PhotonMap> build(const std::shared_ptr<const PhotonPaths>& paths,
                                                   const std::stop_token& stop = {});
 
-    [[nodiscard]] std::size_t size() const { return paths_->photons.size(); }
-    [[nodiscard]] const Photon& photon(std::uint32_t number) const { return paths_->photons[number]; }
-    [[nodiscard]] const PhotonPaths& paths() const { return *paths_; }
+    [[nodiscard]] std::size_t size() const { return paths_.photons.size(); }
+    [[nodiscard]] const Photon& photon(std::uint32_t number) const { return paths_.photons[number]; }
+    [[nodiscard]] const PhotonPaths& paths() const { return paths_; } ///< as given, but in the tree's order
+    /// Place that photon `number` had in the list the map was built from.
+    [[nodiscard]] std::uint32_t origin(std::uint32_t number) const { return origin_[number]; }
+    /// Numbers in the order of that list.
+    [[nodiscard]] std::vector<std::uint32_t> listOrder() const;
     [[nodiscard]] std::size_t memoryBytes() const; ///< tree and photons
 
     /// The `query.count` nearest photons; ties by number. O(K + log n) typical.
@@ -47,7 +54,6 @@ private:
     struct alignas(64) Block {
         float x[kBlock], y[kBlock], z[kBlock];
         float nx[kBlock], ny[kBlock], nz[kBlock];
-        std::uint32_t number[kBlock];
     };
     struct Node {
         float split = 0.0f;
@@ -55,15 +61,18 @@ private:
     };
     struct Record;
     struct Search;
-    explicit PhotonMap(std::shared_ptr<const PhotonPaths> paths) : paths_(std::move(paths)) {}
+    PhotonMap() = default;
+    bool takeInOrder(const PhotonPaths& paths, const std::vector<Record>& records, const std::stop_token& stop);
     void split(std::vector<Record>& records, std::uint32_t firstBlock, std::uint32_t blocks, std::uint32_t node,
                const std::stop_token& stop);
-    void fill(Block& block, const Record* first, const Record* last) const;
+    void fill(std::uint32_t block);
     void descend(Search& search, std::uint32_t firstBlock, std::uint32_t blocks, std::uint32_t node, glm::vec3 offset,
                  float squared) const;
-    void scan(Search& search, const Block& block) const;
+    void collect(const GatherQuery& query, float radius, std::vector<std::uint64_t>& keys) const;
+    void scan(Search& search, std::uint32_t block) const;
 
-    std::shared_ptr<const PhotonPaths> paths_;
+    PhotonPaths paths_;
+    std::vector<std::uint32_t> origin_;
     std::vector<Block> blocks_;
     std::vector<Node> nodes_; // implicit: children of n are 2n+1 and 2n+2
 };

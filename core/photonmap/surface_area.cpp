@@ -3,12 +3,15 @@
 #include "core/base/ordering.h"
 #include "core/base/sampling.h"
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <limits>
 
 namespace lightloom {
 namespace {
+
+constexpr float kSmall = 0.5f; ///< facets that reach this far, against the smallest radius, are no longer cut
 
 /// Adds what facets have under a kernel. A facet that lies whole within a radius lies so within all larger ones: it is
 /// added once, to the first of them, and the sums run up at the end. Only the few across a border are cut.
@@ -104,7 +107,7 @@ std::shared_ptr<const SurfaceArea> SurfaceArea::build(const LightReach& reach, c
 
 std::uint32_t SurfaceArea::split(std::uint32_t first, std::uint32_t last, const std::stop_token& stop)
 {
-    constexpr std::uint32_t kLeaf = 4, kLong = 16'384; // a long list looks at the stop
+    constexpr std::uint32_t kLeaf = FacetBlock::kCount, kLong = 16'384; // a long list looks at the stop
     glm::vec3 low(std::numeric_limits<float>::max()), high(-low), lowCentre(low), highCentre(high);
     for (std::uint32_t i = first; i < last; ++i) {
         const ReachedFacet& f = facets_[i];
@@ -115,8 +118,13 @@ std::uint32_t SurfaceArea::split(std::uint32_t first, std::uint32_t last, const 
         highCentre = glm::max(highCentre, centre);
     }
     const auto node = static_cast<std::uint32_t>(boxes_.size());
-    boxes_.push_back({low, high, first, last - first});
-    if (last - first <= kLeaf || (last - first > kLong && stop.stop_requested())) return node;
+    boxes_.push_back({low, high, first, last - first, 0});
+    if (last - first <= kLeaf) {
+        boxes_.back().block = static_cast<std::uint32_t>(blocks_.size());
+        blocks_.emplace_back(std::span(facets_.data() + first, last - first));
+        return node;
+    }
+    if (last - first > kLong && stop.stop_requested()) return node;
 
     const glm::vec3 size = highCentre - lowCentre;
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
@@ -138,6 +146,9 @@ void SurfaceArea::under(const KernelPlace& place, std::span<const float> radii, 
     assert(radii.size() <= kMostRadii && out.size() == radii.size());
     KernelSum sum(place, radii, out);
     if (boxes_.empty() || radii.empty()) return;
+    const Frame frame(place.normal);
+    BlockSums small(place.centre, place.normal, frame.tangent, frame.bitangent, place.stretch, place.leastCosine,
+                    kSmall * radii.front(), radii);
     const float r2 = radii.back() * radii.back();
     std::uint32_t stack[64];
     int depth = 0;
@@ -153,11 +164,12 @@ void SurfaceArea::under(const KernelPlace& place, std::span<const float> radii, 
             stack[depth++] = node + 1;
             continue;
         }
-        for (std::uint32_t i = box.first; i < box.first + box.count; ++i) {
-            if (glm::dot(facets_[i].normal, place.normal) > place.leastCosine) sum.add(facets_[i]);
+        for (unsigned large = small.add(blocks_[box.block]); large != 0; large &= large - 1) {
+            sum.add(facets_[box.first + static_cast<std::uint32_t>(std::countr_zero(large))]);
         }
     }
     sum.finish();
+    for (std::size_t j = 0; j < radii.size(); ++j) out[j] += small.sum(j);
 }
 
 double SurfaceArea::under(const KernelPlace& place, float radius) const

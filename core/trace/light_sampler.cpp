@@ -22,21 +22,33 @@ constexpr double kMostLookups = 4e6;
 /// Below this cosine a patch counts as seen edge-on: nothing comes from it and no density stays finite.
 constexpr float kLeastCosine = 1e-6f;
 
-/// First entry of a rising sum that exceeds `at`, and how far `at` lies within it, in [0,1).
-struct Pick {
-    std::size_t index;
-    double within;
-};
-Pick pick(const std::vector<double>& sums, double at)
+/// First entry of a rising sum that exceeds `at`.
+std::size_t pick(const std::vector<double>& sums, double at)
 {
-    const auto found = std::upper_bound(sums.begin(), sums.end(), at);
-    auto i = static_cast<std::size_t>(found - sums.begin());
-    if (i == sums.size()) { // rounding carried `at` past the end: the last entry that has a width
-        do --i;
-        while (i > 0 && sums[i] <= sums[i - 1]);
+    std::size_t i = 0; // halving without a branch that depends on `at`, which no processor can foresee
+    for (std::size_t left = sums.size(); left > 0;) {
+        const std::size_t half = (left + 1) / 2;
+        i += sums[i + half - 1] <= at ? half : 0;
+        left -= half;
     }
+    if (i < sums.size()) return i;
+    do --i; // rounding carried `at` past the end: the last entry that has a width
+    while (i > 0 && sums[i] <= sums[i - 1]);
+    return i;
+}
+
+/// How far `at` lies within entry `i` of a rising sum, in [0,1).
+double within(const std::vector<double>& sums, std::size_t i, double at)
+{
     const double low = i > 0 ? sums[i - 1] : 0.0, width = sums[i] - low;
-    return {i, width > 0.0 ? glm::clamp((at - low) / width, 0.0, 1.0 - 0x1p-24) : 0.0};
+    return width > 0.0 ? glm::clamp((at - low) / width, 0.0, 1.0 - 0x1p-24) : 0.0;
+}
+
+void drawDirection(EmittedPhoton& photon)
+{
+    if (!photon.isUnaimed) return;
+    photon.travel = Frame(photon.side).toWorld(sampleCosineHemisphere(photon.aim.x, photon.aim.y));
+    photon.isUnaimed = false;
 }
 
 /// Density per solid angle at `p` of a point picked by area; 0 for patches seen edge-on or touched.
@@ -72,8 +84,8 @@ bool emitsAlike(const Material& a, const Material& b)
 /// Who is shot from in one group.
 struct Dealer {
     std::vector<int> emitters;
-    std::vector<double> sums;    // chances, summed
-    std::vector<double> chances; // of each
+    std::vector<double> sums;  // chances, summed
+    std::vector<float> scales; // 1 / chance of each
     glm::dvec3 flux{0.0};
 };
 
@@ -101,9 +113,10 @@ struct LightSampler::State {
     {
         return rays->scene().lights[static_cast<std::size_t>(e.light)];
     }
+    void emit(std::size_t emitter, Rng& rng, EmittedPhoton& out) const;
     void emitDirectional(const std::optional<SunAim>& aim, const Emitter& e, Rng& rng, EmittedPhoton& out) const;
     void emitPunctual(const Emitter& e, const SpotCone& cone, Rng& rng, EmittedPhoton& out) const;
-    void emitSurface(const Shape& shape, Rng& rng, EmittedPhoton& out) const;
+    void emitSurface(const Emitter& e, const Shape& shape, Rng& rng, EmittedPhoton& out) const;
     bool samplePunctual(const Emitter& e, const SpotCone& cone, glm::vec3 p, LightSample& out) const;
     bool sampleSurface(const Shape& shape, glm::vec3 p, glm::vec2 u, LightSample& out) const;
 };
@@ -240,10 +253,22 @@ void LightSampler::State::deal()
                 const double share = all > 0.0 ? luminous(flux[static_cast<std::size_t>(e)]) / all : even;
                 chance = (1.0 - kEvenShare) * share + kEvenShare * even;
             }
-            group.chances.push_back(chance);
+            group.scales.push_back(chance > 0.0 ? static_cast<float>(1.0 / chance) : 0.0f);
             group.sums.push_back(sum += chance);
         }
     }
+}
+
+void LightSampler::State::emit(std::size_t e, Rng& rng, EmittedPhoton& out) const
+{
+    const Emitter& what = emitters[e];
+    out.isUnaimed = false;
+    if (what.kind == Emitter::Kind::surface)
+        emitSurface(what, shapes[e], rng, out);
+    else if (what.kind == Emitter::Kind::directional)
+        emitDirectional(aims[e], what, rng, out);
+    else
+        emitPunctual(what, cones[e], rng, out);
 }
 
 void LightSampler::State::emitDirectional(const std::optional<SunAim>& aim, const Emitter& e, Rng& rng,
@@ -253,7 +278,7 @@ void LightSampler::State::emitDirectional(const std::optional<SunAim>& aim, cons
     if (aim) {
         out.position = aim->pick(rng, weight);
     } else {
-        const float u1 = rng.uniform(), u2 = rng.uniform();
+        const auto [u1, u2] = rng.uniformPair();
         const glm::vec2 d = radius * sampleDisc(u1, u2);
         out.position = centre + Frame(light(e).travel).toWorld({d.x, d.y, -2.0f * radius});
     }
@@ -265,7 +290,7 @@ void LightSampler::State::emitDirectional(const std::optional<SunAim>& aim, cons
 void LightSampler::State::emitPunctual(const Emitter& e, const SpotCone& cone, Rng& rng, EmittedPhoton& out) const
 {
     const PunctualLight& l = light(e);
-    const float u1 = rng.uniform(), u2 = rng.uniform();
+    const auto [u1, u2] = rng.uniformPair();
     out.position = l.position;
     out.side = glm::vec3(0.0f);
     out.flux = e.flux;
@@ -273,19 +298,25 @@ void LightSampler::State::emitPunctual(const Emitter& e, const SpotCone& cone, R
                                                : sampleSphere(u1, u2);
 }
 
-void LightSampler::State::emitSurface(const Shape& shape, Rng& rng, EmittedPhoton& out) const
+void LightSampler::State::emitSurface(const Emitter& e, const Shape& shape, Rng& rng, EmittedPhoton& out) const
 {
-    const Pick at = pick(shape.areas, rng.uniformDouble() * shape.area());
-    const auto triangle = shape.first + static_cast<std::uint32_t>(at.index);
-    const float u1 = rng.uniform(), u2 = rng.uniform();
+    const auto triangle =
+        shape.first + static_cast<std::uint32_t>(pick(shape.areas, rng.uniformDouble() * shape.area()));
+    const auto [u1, u2] = rng.uniformPair();
+    const auto [c1, c2] = rng.uniformPair();
     const glm::vec2 b = sampleTriangle(u1, u2);
-    const float c1 = rng.uniform(), c2 = rng.uniform();
     const float turn = shape.bothSides && rng.uniform() < 0.5f ? -1.0f : 1.0f;
-    out.side = turn * rays->triangleNormal(triangle);
-    out.position = rays->leave(pointOn(rays->triangle(triangle), b), out.side);
-    out.travel = glm::normalize(Frame(out.side).toWorld(sampleCosineHemisphere(c1, c2)));
-    const double lumenPerNit = kPiD * shape.area() * (shape.bothSides ? 2.0 : 1.0);
-    out.flux = glm::vec3(glm::dvec3(emissionAt(*rays, triangle, b)) * lumenPerNit);
+    const SceneTriangle& place = rays->triangle(triangle);
+    out.side = turn * place.normal;
+    out.position = rays->leave(pointOn(place, b), out.side);
+    out.isUnaimed = true;
+    out.aim = {c1, c2};
+    if (rays->look(place.instance).isPlain) {
+        out.flux = e.flux;
+    } else {
+        const double lumenPerNit = kPiD * shape.area() * (shape.bothSides ? 2.0 : 1.0);
+        out.flux = glm::vec3(glm::dvec3(emissionAt(*rays, triangle, b)) * lumenPerNit);
+    }
 }
 
 bool LightSampler::State::samplePunctual(const Emitter& e, const SpotCone& cone, glm::vec3 p, LightSample& out) const
@@ -312,9 +343,10 @@ bool LightSampler::State::samplePunctual(const Emitter& e, const SpotCone& cone,
 bool LightSampler::State::sampleSurface(const Shape& shape, glm::vec3 p, glm::vec2 u, LightSample& out) const
 {
     if (!(shape.area() > 0.0)) return false;
-    const Pick at = pick(shape.areas, static_cast<double>(u.x) * shape.area());
-    const auto triangle = shape.first + static_cast<std::uint32_t>(at.index);
-    const glm::vec2 b = sampleTriangle(static_cast<float>(at.within), u.y);
+    const double at = static_cast<double>(u.x) * shape.area();
+    const std::size_t picked = pick(shape.areas, at);
+    const auto triangle = shape.first + static_cast<std::uint32_t>(picked);
+    const glm::vec2 b = sampleTriangle(static_cast<float>(within(shape.areas, picked, at)), u.y);
     const glm::vec3 onLight = pointOn(rays->triangle(triangle), b), normal = rays->triangleNormal(triangle);
     const bool isFront = glm::dot(p - onLight, normal) > 0.0f;
     if (!isFront && !shape.bothSides) return false;
@@ -360,26 +392,28 @@ glm::vec3 LightSampler::groupFlux(int group) const
     return glm::vec3(state_->groups[static_cast<std::size_t>(group)].flux);
 }
 
-bool LightSampler::emit(int group, Rng& rng, EmittedPhoton& photon) const
+bool LightSampler::launch(int group, Rng& rng, EmittedPhoton& photon) const
 {
     const Dealer& dealer = state_->groups[static_cast<std::size_t>(group)];
     if (dealer.sums.empty() || !(dealer.sums.back() > 0.0)) return false;
-    const std::size_t i = pick(dealer.sums, rng.uniformDouble() * dealer.sums.back()).index;
-    static_cast<void>(emitFrom(dealer.emitters[i], rng, photon));
-    photon.flux /= static_cast<float>(dealer.chances[i]);
+    std::size_t i = 0;
+    if (dealer.sums.size() > 1) i = pick(dealer.sums, rng.uniformDouble() * dealer.sums.back());
+    state_->emit(static_cast<std::size_t>(dealer.emitters[i]), rng, photon);
+    photon.flux *= dealer.scales[i];
     return maxChannel(photon.flux) > 0.0f;
+}
+
+bool LightSampler::emit(int group, Rng& rng, EmittedPhoton& photon) const
+{
+    const bool isLit = launch(group, rng, photon);
+    drawDirection(photon);
+    return isLit;
 }
 
 bool LightSampler::emitFrom(int emitter, Rng& rng, EmittedPhoton& photon) const
 {
-    const auto e = static_cast<std::size_t>(emitter);
-    const Emitter& what = state_->emitters[e];
-    if (what.kind == Emitter::Kind::surface)
-        state_->emitSurface(state_->shapes[e], rng, photon);
-    else if (what.kind == Emitter::Kind::directional)
-        state_->emitDirectional(state_->aims[e], what, rng, photon);
-    else
-        state_->emitPunctual(what, state_->cones[e], rng, photon);
+    state_->emit(static_cast<std::size_t>(emitter), rng, photon);
+    drawDirection(photon);
     return maxChannel(photon.flux) > 0.0f;
 }
 

@@ -24,6 +24,10 @@ struct EmittedPhoton {
     glm::vec3 position{0.0f}, travel{0.0f, 0.0f, -1.0f};
     glm::vec3 flux{0.0f}; ///< lumen carried if one photon were shot from the group; divide by the number shot
     glm::vec3 side{0.0f}; ///< normal the photon left along, already moved off; zero for punctual lights
+    /// Of a photon that `launch` made: `travel` is still to be drawn, with this point of the unit square, from the
+    /// cosine around `side`.
+    bool isUnaimed = false;
+    glm::vec2 aim{0.0f};
 };
 
 /// Light arriving at a point from one sample of an emitter, before the shadow ray and the cosine.
@@ -56,6 +60,9 @@ public:
     /// a dim lamp beside a bright one still gets its share), then a point and direction by the emitter's own law; the
     /// flux makes up for the choice. False: the group is dark, or dark at the point picked (textures).
     [[nodiscard]] bool emit(int group, Rng& rng, EmittedPhoton& photon) const;
+
+    /// The same photon, but where `isUnaimed` says so its direction is left to whoever draws many at once.
+    [[nodiscard]] bool launch(int group, Rng& rng, EmittedPhoton& photon) const;
 
     /// A photon from one emitter, by its own law. False: dark at the point picked.
     [[nodiscard]] bool emitFrom(int emitter, Rng& rng, EmittedPhoton& photon) const;

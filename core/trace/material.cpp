@@ -237,15 +237,36 @@ float localPdf(const Surface& s, glm::vec3 away, glm::vec3 toEye)
     return pdf;
 }
 
-void addGlass(const Material& m, const Hit& hit, glm::vec3 tint, float share, Surface& s)
+void addGlass(const Material& m, bool isFront, glm::vec3 tint, float share, Surface& s)
 {
     s.diffuse *= 1.0f - glm::min(1.0f, m.transmission);
     s.glass.share = glm::min(1.0f, share);
     s.glass.isThin = !(m.thickness > 0.0f);
     s.glass.tint = tint;
-    const bool isEntered = hit.isFront || s.glass.isThin;
+    const bool isEntered = isFront || s.glass.isThin;
     s.glass.eta = isEntered || !(m.ior > 0.0f) ? m.ior : 1.0f / m.ior;
     if (!s.glass.isThin) s.glass.absorption = absorptionOf(m);
+}
+
+/// What the textures and colours of a material give at one point, with its factors.
+struct MaterialValues {
+    glm::vec3 base{1.0f};
+    float metallic = 0.0f, roughness = 1.0f;
+    glm::vec3 emission{0.0f};
+};
+
+Surface surfaceOf(const Material& m, const MaterialValues& values, bool isFront)
+{
+    const glm::vec3 tint = glm::clamp(values.base, 0.0f, 1.0f), base = glm::min(tint, kLargestAlbedo);
+    const float metallic = glm::clamp(values.metallic, 0.0f, 1.0f);
+    Surface s;
+    s.diffuse = (1.0f - metallic) * base;
+    s.specular = metallic * base;
+    s.grazing = metallic * kLargestAlbedo;
+    s.roughness = glm::clamp(values.roughness, 0.0f, 1.0f);
+    if (isFront || m.doubleSided) s.emission = values.emission;
+    if (m.transmission > 0.0f) addGlass(m, isFront, tint, (1.0f - metallic) * m.transmission, s);
+    return s;
 }
 
 } // namespace
@@ -267,33 +288,41 @@ glm::vec4 sampleTexture(const Scene& scene, const Texture& texture, glm::vec2 uv
 
 Surface surfaceAt(const RayScene& rays, const Hit& hit)
 {
+    const InstanceLook& look = rays.look(hit.instance);
+    if (look.isPlain) return hit.isFront ? look.front : look.back;
     const Corner corner(rays, hit.triangle, hit.barycentric);
     const Material& m = corner.material;
-    glm::vec3 base = glm::vec3(m.baseColor) * glm::vec3(corner.look(m.baseColorTexture, true));
-    if (!corner.mesh.colors.empty()) base *= glm::vec3(corner.at(corner.mesh.colors));
-    const glm::vec3 tint = glm::clamp(base, 0.0f, 1.0f);
-    base = glm::min(tint, kLargestAlbedo);
-    float metallic = m.metallic, roughness = m.roughness;
+    MaterialValues values{glm::vec3(m.baseColor), m.metallic, m.roughness, corner.emission()};
+    values.base *= glm::vec3(corner.look(m.baseColorTexture, true));
+    if (!corner.mesh.colors.empty()) values.base *= glm::vec3(corner.at(corner.mesh.colors));
     if (m.metallicRoughnessTexture.isSet()) {
         const glm::vec4 t = corner.look(m.metallicRoughnessTexture, false);
-        metallic *= t.z;
-        roughness *= t.y;
+        values.metallic *= t.z;
+        values.roughness *= t.y;
     }
-    metallic = glm::clamp(metallic, 0.0f, 1.0f);
+    return surfaceOf(m, values, hit.isFront);
+}
 
-    Surface s;
-    s.diffuse = (1.0f - metallic) * base;
-    s.specular = metallic * base;
-    s.grazing = metallic * kLargestAlbedo;
-    s.roughness = glm::clamp(roughness, 0.0f, 1.0f);
-    if (hit.isFront || m.doubleSided) s.emission = corner.emission();
-    if (m.transmission > 0.0f) addGlass(m, hit, tint, (1.0f - metallic) * m.transmission, s);
-    return s;
+std::vector<InstanceLook> instanceLooks(const Scene& scene)
+{
+    std::vector<InstanceLook> looks(scene.instances.size());
+    for (std::size_t i = 0; i < looks.size(); ++i) {
+        const Mesh& mesh = scene.meshes[static_cast<std::size_t>(scene.instances[i].mesh)];
+        const Material& m = scene.materials[static_cast<std::size_t>(mesh.material)];
+        const bool isTextured =
+            m.baseColorTexture.isSet() || m.metallicRoughnessTexture.isSet() || m.emissionTexture.isSet();
+        if (isTextured || !mesh.colors.empty()) continue;
+        const MaterialValues values{glm::vec3(m.baseColor), m.metallic, m.roughness, m.emission};
+        const Surface front = surfaceOf(m, values, true);
+        looks[i] = {true, !front.isSeenInto(), front, surfaceOf(m, values, false)};
+    }
+    return looks;
 }
 
 glm::vec3 emissionAt(const RayScene& rays, std::uint32_t triangle, glm::vec2 barycentric)
 {
-    return Corner(rays, triangle, barycentric).emission();
+    const InstanceLook& look = rays.look(rays.triangle(triangle).instance);
+    return look.isPlain ? look.front.emission : Corner(rays, triangle, barycentric).emission();
 }
 
 glm::vec3 brdf(const Surface& surface, glm::vec3 n, glm::vec3 toLight, glm::vec3 toEye)

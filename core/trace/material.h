@@ -1,28 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "core/trace/dielectric.h"
 #include "core/trace/ray_scene.h"
 
 namespace lightloom {
 
-/// What a surface does with light at one point, textures looked up. The diffuse part is diffuse / pi on both sides.
-struct Surface {
-    glm::vec3 diffuse{0.0f};  ///< (1 - metallic) (1 - transmission) baseColor, each channel at most kLargestAlbedo
-    glm::vec3 specular{0.0f}; ///< F0 of the metallic part, metallic x baseColor
-    float grazing =
-        kLargestAlbedo;       ///< what the metallic part reflects at grazing angles (Schlick's F90): metallic x .99
-    float roughness = 1.0f;   ///< GGX alpha = roughness^2
-    glm::vec3 emission{0.0f}; ///< cd/m2 towards the side that was hit; zero behind a single-sided emitter
-    Glass glass;              ///< as met from the side that was hit
-    [[nodiscard]] bool isMirror() const { return roughness < kMirrorRoughness && maxChannel3(specular) > 0.0f; }
-    [[nodiscard]] bool hasSpecular() const { return maxChannel3(specular) > 0.0f; } ///< a metallic part
-    /// Rays go on from here to what is seen in the metal or through the glass.
-    [[nodiscard]] bool isSeenInto() const { return hasSpecular() || glass.share > 0.0f; }
-    static float maxChannel3(glm::vec3 v) { return glm::max(v.x, glm::max(v.y, v.z)); }
-};
-
 /// The surface at a hit. A black metal reflects nothing at any angle. Needs texture coordinates for a texture to count.
 [[nodiscard]] Surface surfaceAt(const RayScene& rays, const Hit& hit);
+
+/// The looks of all instances, in their order.
+[[nodiscard]] std::vector<InstanceLook> instanceLooks(const Scene& scene);
 
 /// Emission at barycentric (b1, b2) of a triangle seen from its front, cd/m2.
 [[nodiscard]] glm::vec3 emissionAt(const RayScene& rays, std::uint32_t triangle, glm::vec2 barycentric);

@@ -9,6 +9,7 @@ namespace lightloom {
 /// the medium by itself, so that paths may begin inside and open meshes do no harm.
 class Medium {
 public:
+    [[nodiscard]] bool isAir() const { return !isInside_; }
     /// True if the segment that ended at `hit` ran through glass that absorbs.
     [[nodiscard]] bool absorbs(const Hit& hit, const Surface& surface) const
     {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "core/base/parallel.h"
+#include "core/base/raw_vector.h"
 #include "core/trace/light_sampler.h"
 
 namespace lightloom {
@@ -24,7 +25,7 @@ struct Ledger {
     }
 };
 
-/// All photons of one light group, in the order of their numbers.
+/// All photons of one light group, in an order that is always the same: blocks of 4096 numbers one after the other.
 struct PhotonPaths {
     int group = 0;
     std::uint64_t shot = 0;    ///< photons that left the lamps: normalises
@@ -32,17 +33,19 @@ struct PhotonPaths {
     std::uint64_t caustic = 0; ///< stored after a specular bounce without a diffuse one before
     std::uint64_t cutOff = 0;  ///< paths that reached the longest length
     Ledger ledger;
-    std::vector<Photon> photons;
+    RawVector<Photon> photons;
 };
 
 struct PhotonJob {
     int group = 0;
     std::uint64_t seed = 1, count = 0;
     int pathDepth = 64;
+    bool oneByOne = false; ///< each photon's rays alone, not eight photons' together: slower, to compare with
 };
 
 /// Shoots a group's photons. Photon i is a function of (seed, group id, i): the result is the same bits on any number
-/// of threads. `blockDone(done, all)` is called after each block of 4096 from some worker. Null: stopped.
+/// of threads. Eight photons are under way at a time, and their rays traced together. `blockDone(done, all)` is called
+/// after each block of 4096 from some worker. Null: stopped.
 [[nodiscard]] std::shared_ptr<const PhotonPaths>
 tracePhotons(const RayScene& rays, const LightSampler& lights, const PhotonJob& job, Workers& workers,
              const std::stop_token& stop, const std::function<void(std::uint64_t, std::uint64_t)>& blockDone = {});

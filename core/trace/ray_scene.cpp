@@ -85,7 +85,6 @@ struct RayScene::State {
     std::shared_ptr<const Scene> scene; // that it was built from: cut-outs look at its images
     std::string isa;
     std::vector<SceneTriangle> triangles;
-    std::vector<glm::vec3> normals;
     std::vector<std::uint32_t> firstTriangle; // per instance, and the end
     std::vector<CutOut> cutOuts;              // stable addresses: reserved before use
     Device device;
@@ -112,12 +111,12 @@ bool RayScene::State::listTriangles(const std::stop_token& stop)
         for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
             if (t % 65'536 == 0 && stop.stop_requested()) return false;
             const glm::uvec3 v = mesh.triangles[t];
-            const SceneTriangle triangle{placed[v.x], placed[v.y], placed[v.z], i, t};
+            SceneTriangle triangle{placed[v.x], placed[v.y], placed[v.z], glm::vec3(0.0f), i, t};
             // in double: the cross product of a needle's edges underflows in float at small scales
             const glm::dvec3 n = glm::cross(glm::dvec3(triangle.b) - glm::dvec3(triangle.a),
                                             glm::dvec3(triangle.c) - glm::dvec3(triangle.a));
             const double length = glm::length(n);
-            normals.push_back(length > 0.0 ? turn * glm::vec3(n / length) : glm::vec3(0.0f));
+            if (length > 0.0) triangle.normal = turn * glm::vec3(n / length);
             triangles.push_back(triangle);
         }
     }
@@ -220,7 +219,8 @@ try {
 RayScene::RayScene(std::shared_ptr<const State> state, std::shared_ptr<const Scene> scene)
     : state_(std::move(state)), scene_(std::move(scene)),
       // an empty or single-point scene still needs a positive step
-      offset_(glm::max(1e-5f * scene_->bounds.diagonal(), std::numeric_limits<float>::min() * 1e6f))
+      offset_(glm::max(1e-5f * scene_->bounds.diagonal(), std::numeric_limits<float>::min() * 1e6f)),
+      looks_(instanceLooks(*scene_))
 {
 }
 
@@ -233,7 +233,6 @@ RayScene::~RayScene() = default;
 
 std::uint32_t RayScene::triangleCount() const { return static_cast<std::uint32_t>(state_->triangles.size()); }
 const SceneTriangle& RayScene::triangle(std::uint32_t index) const { return state_->triangles[index]; }
-glm::vec3 RayScene::triangleNormal(std::uint32_t index) const { return state_->normals[index]; }
 std::uint32_t RayScene::firstTriangle(std::uint32_t instance) const { return state_->firstTriangle[instance]; }
 std::string_view RayScene::isaName() const { return state_->isa; }
 void* RayScene::embreeScene() const { return state_->tree.get(); }
@@ -252,6 +251,17 @@ const Material& RayScene::material(std::uint32_t index) const
     return scene_->materials[static_cast<std::size_t>(mesh.material)];
 }
 
+void RayScene::fill(Hit& hit, unsigned instance, unsigned primitive, glm::vec2 b, glm::vec3 travel) const
+{
+    hit.triangle = state_->firstTriangle[instance] + primitive;
+    hit.instance = instance;
+    hit.barycentric = b;
+    const SceneTriangle& t = state_->triangles[hit.triangle];
+    hit.position = t.a * (1.0f - b.x - b.y) + t.b * b.x + t.c * b.y;
+    hit.normal = t.normal;
+    hit.isFront = glm::dot(hit.normal, travel) < 0.0f;
+}
+
 bool RayScene::intersect(glm::vec3 origin, glm::vec3 travel, float most, Hit& hit) const
 {
     if (!isFinite(origin) || !isFinite(travel)) return false; // Embree does not filter NaN
@@ -264,15 +274,43 @@ bool RayScene::intersect(glm::vec3 origin, glm::vec3 travel, float most, Hit& hi
     rtcIntersect1(state_->tree.get(), &context, &query);
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
 
-    const unsigned instance = query.hit.instID[0] != RTC_INVALID_GEOMETRY_ID ? query.hit.instID[0] : query.hit.geomID;
-    hit.triangle = state_->firstTriangle[instance] + query.hit.primID;
     hit.distance = query.ray.tfar;
-    hit.barycentric = {query.hit.u, query.hit.v};
-    const SceneTriangle& t = state_->triangles[hit.triangle];
-    hit.position = t.a * (1.0f - query.hit.u - query.hit.v) + t.b * query.hit.u + t.c * query.hit.v;
-    hit.normal = state_->normals[hit.triangle];
-    hit.isFront = glm::dot(hit.normal, travel) < 0.0f;
+    const unsigned instance = query.hit.instID[0] != RTC_INVALID_GEOMETRY_ID ? query.hit.instID[0] : query.hit.geomID;
+    fill(hit, instance, query.hit.primID, {query.hit.u, query.hit.v}, travel);
     return true;
+}
+
+unsigned RayScene::intersect(const std::array<Ray, kTogether>& rays, unsigned wanted,
+                             std::array<Hit, kTogether>& hits) const
+{
+    static_assert(kTogether == 8);
+    alignas(32) std::array<int, kTogether> valid;
+    RTCRayHit8 query;
+    for (std::size_t i = 0; i < kTogether; ++i) {
+        const Ray& ray = rays[i];
+        const bool isTraced = (wanted >> i & 1u) != 0 && isFinite(ray.origin) && isFinite(ray.travel);
+        valid[i] = isTraced ? -1 : 0;
+        query.ray.org_x[i] = ray.origin.x, query.ray.org_y[i] = ray.origin.y, query.ray.org_z[i] = ray.origin.z;
+        query.ray.dir_x[i] = ray.travel.x, query.ray.dir_y[i] = ray.travel.y, query.ray.dir_z[i] = ray.travel.z;
+        query.ray.tnear[i] = query.ray.time[i] = 0.0f;
+        query.ray.tfar[i] = isTraced ? std::numeric_limits<float>::infinity() : -1.0f;
+        query.ray.mask[i] = 0xFFFFFFFFu;
+        query.ray.id[i] = query.ray.flags[i] = 0;
+        query.hit.geomID[i] = query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+    }
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect8(valid.data(), state_->tree.get(), &context, &query);
+    unsigned met = 0;
+    for (std::size_t i = 0; i < kTogether; ++i) {
+        const unsigned geometry = query.hit.geomID[i], place = query.hit.instID[0][i];
+        if (valid[i] == 0 || geometry == RTC_INVALID_GEOMETRY_ID) continue;
+        met |= 1u << i;
+        hits[i].distance = query.ray.tfar[i];
+        fill(hits[i], place != RTC_INVALID_GEOMETRY_ID ? place : geometry, query.hit.primID[i],
+             {query.hit.u[i], query.hit.v[i]}, rays[i].travel);
+    }
+    return met;
 }
 
 bool RayScene::isBlocked(glm::vec3 origin, glm::vec3 travel, float most) const

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "core/base/result.h"
-#include "core/scene/scene.h"
+#include "core/trace/surface.h"
 #include <array>
 #include <memory>
 #include <stop_token>
@@ -18,6 +18,7 @@ inline constexpr std::array<std::string_view, 4> kIsaNames{"auto", "sse2", "avx2
 struct Hit {
     float distance = 0.0f;
     std::uint32_t triangle = 0;  ///< number among all triangles of the scene, see RayScene::triangle
+    std::uint32_t instance = 0;  ///< index into Scene::instances
     glm::vec2 barycentric{0.0f}; ///< weights of vertices 1 and 2
     glm::vec3 position{0.0f};    ///< on the triangle (from the barycentrics, not origin + t * direction)
     glm::vec3 normal{0.0f};      ///< geometric, unit, of the triangle's front side
@@ -26,9 +27,14 @@ struct Hit {
     [[nodiscard]] glm::vec3 facing() const { return isFront ? normal : -normal; }
 };
 
-/// One triangle in its place.
-struct SceneTriangle {
+struct Ray {
+    glm::vec3 origin{0.0f}, travel{0.0f, 0.0f, -1.0f}; ///< `travel` unit
+};
+
+/// One triangle in its place. A cache line each: a hit reads one.
+struct alignas(64) SceneTriangle {
     glm::vec3 a, b, c;      ///< scene space, in the order that faces front (mirrored instances are turned)
+    glm::vec3 normal;       ///< unit, front; zero for a triangle without area
     std::uint32_t instance; ///< index into Scene::instances
     std::uint32_t indexInMesh;
 };
@@ -40,7 +46,7 @@ public:
     /// Errors: out of memory; cancelled (a stop is seen within Embree's build too).
     static Result<std::shared_ptr<const RayScene>> build(std::shared_ptr<const Scene> scene, Isa isa = Isa::automatic,
                                                          std::stop_token stop = {});
-    /// The same triangles for an edit of the scene with the same surface (`surfaceHash`): everything is shared, O(1).
+    /// The same triangles for an edit of the scene with the same surface (`surfaceHash`): the triangles are shared. O(instances).
     [[nodiscard]] std::shared_ptr<const RayScene> withScene(std::shared_ptr<const Scene> scene) const;
     ~RayScene();
     RayScene(const RayScene&) = delete;
@@ -51,6 +57,11 @@ public:
 
     /// Nearest surface along `origin + t * travel`, t in (0, most). `travel` unit. False: none.
     [[nodiscard]] bool intersect(glm::vec3 origin, glm::vec3 travel, float most, Hit& hit) const;
+    /// The same for eight rays without an end at once: `hits[i]` for ray i where bit i of `wanted` is set. Returns the
+    /// bits of those that hit.
+    static constexpr std::size_t kTogether = 8;
+    [[nodiscard]] unsigned intersect(const std::array<Ray, kTogether>& rays, unsigned wanted,
+                                     std::array<Hit, kTogether>& hits) const;
     /// True if anything opaque lies between the two points; both are taken as they are: move them off surfaces first.
     [[nodiscard]] bool isBlocked(glm::vec3 from, glm::vec3 to) const;
     /// The same along a direction, to distance `most`.
@@ -63,11 +74,11 @@ public:
 
     [[nodiscard]] std::uint32_t triangleCount() const;
     [[nodiscard]] const SceneTriangle& triangle(std::uint32_t index) const;
-    [[nodiscard]] glm::vec3
-    triangleNormal(std::uint32_t index) const;                   ///< unit, front; zero for a triangle without area
+    [[nodiscard]] glm::vec3 triangleNormal(std::uint32_t index) const { return triangle(index).normal; }
     [[nodiscard]] float triangleArea(std::uint32_t index) const; ///< m2
     [[nodiscard]] std::uint32_t firstTriangle(std::uint32_t instance) const;
     [[nodiscard]] const Material& material(std::uint32_t triangle) const;
+    [[nodiscard]] const InstanceLook& look(std::uint32_t instance) const { return looks_[instance]; }
     [[nodiscard]] std::string_view isaName() const; ///< what Embree really uses, part of a bake's record
 
     /// Embree's handle (RTCScene), for benches that compare with bare Embree.
@@ -76,9 +87,11 @@ public:
 private:
     struct State;
     RayScene(std::shared_ptr<const State> state, std::shared_ptr<const Scene> scene);
+    void fill(Hit& hit, unsigned instance, unsigned primitive, glm::vec2 barycentric, glm::vec3 travel) const;
     std::shared_ptr<const State> state_;
     std::shared_ptr<const Scene> scene_;
     float offset_;
+    std::vector<InstanceLook> looks_; // by instance
 };
 
 } // namespace lightloom

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "core/photonmap/disc_moments.h"
+#include "core/trace/reached_facet.h"
+#include <array>
+#include <span>
+#include <vector>
+
+namespace lightloom {
+
+/// Up to eight facets as patches: each stands for a square of its area and spread around its centroid, and counts by
+/// how far that lies within a ball. Eight at once on whatever vectors the machine has, with the same bits.
+struct alignas(32) FacetBlock {
+    static constexpr std::size_t kCount = 8;
+    float x[kCount] = {}, y[kCount] = {}, z[kCount] = {};    ///< centroid, scene space
+    float nx[kCount] = {}, ny[kCount] = {}, nz[kCount] = {}; ///< normal
+    float area[kCount] = {};                                 ///< m2; unused places have none
+    float spread[kCount] = {};                               ///< m2: variance along one axis of its plane
+    float slope[kCount] = {};                                ///< 1/m: of its share over the distance from the border
+    float reach[kCount] = {};                                ///< m: of its farthest corner from the centroid
+
+    FacetBlock() = default;
+    explicit FacetBlock(std::span<const ReachedFacet> facets); ///< at most kCount
+};
+
+/// Sums of the moments of many blocks within several radii around one centre.
+class BlockSums {
+public:
+    static constexpr std::size_t kMostRadii = 24;
+
+    /// `normal` unit; `tangent` and `bitangent` complete its frame. Distances along the normal count `stretch` times.
+    /// Facets with a reach below `small` count as patches.
+    BlockSums(glm::vec3 centre, glm::vec3 normal, glm::vec3 tangent, glm::vec3 bitangent, float stretch,
+              float leastCosine, float small, std::span<const float> radii);
+    /// Adds the small ones. Returns the bits of those that are too large for that and may lie within the largest
+    /// radius.
+    [[nodiscard]] unsigned add(const FacetBlock& block);
+    /// What was added, within radius number `j`; coordinates along tangent and bitangent, from the centre.
+    [[nodiscard]] AreaMoments sum(std::size_t j) const;
+
+private:
+    static constexpr std::size_t kMoments = 6;
+    struct Place {
+        float centre[3], normal[3], tangent[3], bitangent[3];
+        float stretch; // squared, less 1
+        float leastCosine, small, largest;
+    };
+    struct Patches {
+        float distance[FacetBlock::kCount], x[FacetBlock::kCount], y[FacetBlock::kCount], area[FacetBlock::kCount];
+    };
+    static void measure(const FacetBlock& block, const Place& place, Patches& patches, int* isPatch, int* isLarge);
+    static void addTo(float* sums, const FacetBlock& block, const Patches& patches, const float* radii,
+                      std::size_t count);
+    Place place_;
+    std::span<const float> radii_;
+    bool isUsed_ = false;
+    alignas(32) std::array<float, kMostRadii * kMoments * FacetBlock::kCount> sums_; // set by the first `add`
+};
+
+} // namespace lightloom

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the light octree's fits cost, CPU time, variants in turn, medians of 5:
+//   gather and clustering of depth 5 at K = 100, k = 4 against tracing the photons, one thread;
+//   cost over leaves, depths 4 to 7;  one thread's time against the longest of two, tracing and fits.
+//   bench_octree [SCENE[:TRIANGLES] ...]
+#include "core/octree/layer_fit.h"
+#include "core/octree/octree_build.h"
+#include "core/scene/sample_scenes.h"
+#include "tests/bench_clock.h"
+#include <cmath>
+#include <fmt/format.h>
+#include <map>
+#include <mutex>
+#include <thread>
+
+using namespace lightloom;
+
+namespace {
+
+constexpr std::uint64_t kShot = 400'000;
+
+struct Bench {
+    std::shared_ptr<const Scene> scene;
+    std::shared_ptr<const RayScene> rays;
+    std::shared_ptr<const LightReach> reach;
+    std::shared_ptr<const SurfaceArea> area;
+    std::shared_ptr<const PhotonMap> map;
+};
+
+/// Sums what each thread of a pool computes.
+class ThreadTimes {
+public:
+    /// Call at the end of each piece of work, on its thread; `begin` at its start.
+    void begin() { began() = cpuSeconds(CpuOf::thread); }
+    void end()
+    {
+        const double now = cpuSeconds(CpuOf::thread);
+        const std::lock_guard lock(mutex_);
+        seconds_[std::this_thread::get_id()] += now - began();
+        began() = now;
+    }
+    [[nodiscard]] double longest() const
+    {
+        double most = 0.0;
+        for (const auto& [thread, seconds] : seconds_) most = std::max(most, seconds);
+        return most;
+    }
+
+private:
+    static double& began()
+    {
+        thread_local double at = cpuSeconds(CpuOf::thread);
+        return at;
+    }
+    std::mutex mutex_;
+    std::map<std::thread::id, double> seconds_;
+};
+
+BakeParams paramsOf(int count, bool asPrinted)
+{
+    BakeParams params;
+    params.gatherCount = count;
+    params.vdlCount = 4;
+    if (asPrinted) {
+        params.gatherAdapt = Switch::off;
+        params.gatherFit = GatherFit::mean;
+    }
+    return params;
+}
+
+double traceTime(const Bench& b, const LightSampler& lights, int threads)
+{
+    Workers workers(threads);
+    ThreadTimes times;
+    PhotonJob job;
+    job.count = kShot;
+    times.begin();
+    // pool threads sleep until there is work: their clock stands still between blocks
+    static_cast<void>(
+        tracePhotons(*b.rays, lights, job, workers, {}, [&](std::uint64_t, std::uint64_t) { times.end(); }));
+    times.end(); // joining the blocks
+    return times.longest();
+}
+
+double fitTime(const Bench& b, const OctreeGeometry& geometry, const BakeParams& params, int threads)
+{
+    constexpr std::size_t kBlock = 64;
+    Workers workers(threads);
+    ThreadTimes times;
+    const auto layer = emptyLayer(geometry, 0, params);
+    const LayerFit fit(geometry, *b.map, *b.area, params, *layer);
+    const std::size_t count = geometry.entries.size();
+    workers.run((count + kBlock - 1) / kBlock, {}, [&](std::size_t block) {
+        thread_local FitScratch scratch;
+        times.begin();
+        for (std::size_t e = block * kBlock; e < std::min(count, (block + 1) * kBlock); ++e)
+            static_cast<void>(fit.fit(static_cast<std::uint32_t>(e), scratch));
+        times.end();
+    });
+    return times.longest();
+}
+
+template<class Body>
+double medianOf5(Body body)
+{
+    std::vector<double> seconds;
+    for (int i = 0; i < 5; ++i) seconds.push_back(body());
+    return median(seconds);
+}
+
+std::shared_ptr<const OctreeGeometry> octree(const Bench& b, int depth)
+{
+    Workers workers;
+    return buildOctree(b.scene->bounds, *b.reach, depth, 0, workers, {});
+}
+
+void againstTracing(const std::string& name, const Bench& b, const LightSampler& lights)
+{
+    const auto geometry = octree(b, 5);
+    std::vector<double> printed, shipped;
+    double traced = 0.0, fitted = 0.0;
+    for (int round = 0; round < 5; ++round) {
+        traced = traceTime(b, lights, 1);
+        fitted = fitTime(b, *geometry, paramsOf(100, false), 1);
+        shipped.push_back(fitted / traced);
+        printed.push_back(fitTime(b, *geometry, paramsOf(100, true), 1) / traced);
+    }
+    fmt::print("| {} | {} | {:.1f} | {:.1f} | {:.2f} | {:.2f} |\n", name, geometry->entries.size(), 1e3 * traced,
+               1e3 * fitted, median(shipped), median(printed));
+}
+
+void overDepths(const std::string& name, const Bench& b)
+{
+    std::vector<double> x, y;
+    std::string row;
+    for (int depth = 4; depth <= 7; ++depth) {
+        const auto geometry = octree(b, depth);
+        const double seconds = medianOf5([&] { return fitTime(b, *geometry, paramsOf(300, false), 1); });
+        row += fmt::format(" {} in {:.0f} ms |", geometry->entries.size(), 1e3 * seconds);
+        x.push_back(std::log(static_cast<double>(geometry->entries.size())));
+        y.push_back(std::log(seconds));
+    }
+    double mx = 0.0, my = 0.0, xx = 0.0, xy = 0.0;
+    for (std::size_t i = 0; i < x.size(); ++i) mx += x[i] / 4.0, my += y[i] / 4.0;
+    for (std::size_t i = 0; i < x.size(); ++i) xx += (x[i] - mx) * (x[i] - mx), xy += (x[i] - mx) * (y[i] - my);
+    fmt::print("| {} |{} {:.2f} |\n", name, row, xy / xx);
+}
+
+void onTwoThreads(const std::string& name, const Bench& b, const LightSampler& lights)
+{
+    const auto geometry = octree(b, 6);
+    const BakeParams params = paramsOf(300, false);
+    std::vector<double> tracing, fits;
+    for (int round = 0; round < 5; ++round) {
+        tracing.push_back(traceTime(b, lights, 1) / traceTime(b, lights, 2));
+        fits.push_back(fitTime(b, *geometry, params, 1) / fitTime(b, *geometry, params, 2));
+    }
+    fmt::print("| {} | {:.2f} | {:.2f} |\n", name, median(tracing), median(fits));
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+    std::vector<std::string> names(argv + 1, argv + argc);
+    if (names.empty()) names = {"cornell", "figure:70000"};
+    std::vector<Bench> benches;
+    for (const std::string& name : names) {
+        const std::size_t colon = name.find(':');
+        std::optional<std::uint64_t> triangles;
+        if (colon != std::string::npos) triangles = std::stoull(name.substr(colon + 1));
+        const Result<Scene> made = sampleScene(name.substr(0, colon), triangles);
+        if (!made) return fmt::print("{}\n", made.error().message), 2;
+        Bench b;
+        b.scene = std::make_shared<const Scene>(*made);
+        const auto rays = RayScene::build(b.scene);
+        if (!rays) return fmt::print("{}\n", rays.error().message), 1;
+        b.rays = *rays;
+        const LightSampler lights(b.rays);
+        Workers workers;
+        b.reach = LightReach::find(*b.rays, lights, workers, {});
+        b.area = SurfaceArea::build(*b.reach);
+        PhotonJob job;
+        job.count = kShot;
+        b.map = PhotonMap::build(tracePhotons(*b.rays, lights, job, workers, {}));
+        benches.push_back(b);
+    }
+    const auto each = [&](const char* head, auto body) {
+        fmt::print("{}", head);
+        for (std::size_t i = 0; i < names.size(); ++i) body(names[i], benches[i], LightSampler(benches[i].rays));
+    };
+    each("| scene | entries at depth 5 | tracing, ms | gather and clustering, ms | share | as printed (mean, fixed K) "
+         "|\n"
+         "|---|---|---|---|---|---|\n",
+         againstTracing);
+    each("\n| scene | depth 4 | 5 | 6 | 7 | slope |\n|---|---|---|---|---|---|\n",
+         [](const std::string& name, const Bench& b, const LightSampler&) { overDepths(name, b); });
+    each("\n| scene | tracing, one thread / longest of two | gather and clustering |\n|---|---|---|\n", onTwoThreads);
+    return 0;
+}
