@@ -68,8 +68,9 @@ private Q_SLOTS:
         const PhotonMap& map = *direct_->layers()[0].map;
         const ChristensenCache::Values& kept = cached_->layers()[0].cache->values();
         QCOMPARE(kept.lux.size(), (map.size() + 3) / 4);
+        const std::vector<std::uint32_t> order = map.listOrder(); // the cache keeps photons in the order they were shot
         for (std::uint32_t i = 0; i < map.size(); i += 4 * 37) {
-            const Photon& photon = map.photon(i);
+            const Photon& photon = map.photon(order[i]);
             glm::vec3 wanted(0.0f), found(0.0f);
             QVERIFY(direct_->lookup(photon.position, photon.normal, wanted));
             QCOMPARE(kept.lux[i / 4], wanted);

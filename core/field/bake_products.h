@@ -56,6 +56,14 @@ public:
         cost.isKept = true;
         kept_[{typeid(T), key}] = {std::move(value), round_, 0, std::move(cost)};
     }
+    /// Puts `value` in the place of a kept product, which has cost what it did.
+    template<class T>
+    void replace(const std::string& key, std::shared_ptr<const T> value)
+    {
+        std::lock_guard lock(mutex_);
+        const auto found = kept_.find({typeid(T), key});
+        if (found != kept_.end()) found->second.value = std::move(value);
+    }
     /// Call at the start of a bake: products that neither this, nor the `rounds` before it, nor the last `rounds` whole
     /// ones use are dropped.
     void beginRound(int rounds = 2);

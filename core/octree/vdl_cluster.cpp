@@ -69,17 +69,49 @@ int seed(Centres& centres, int k, ClusterScratch& s)
     return k;
 }
 
-/// Moves each centre to the mean direction of its cluster; one whose directions cancel stays.
-void recentre(Centres& centres, int clusters, const ClusterScratch& s)
+/// Weighted sums of the directions of each cluster, and of all weights.
+struct ClusterSums {
+    std::array<glm::dvec3, kMostClusters> direction{};
+    double weight = 0.0;
+};
+
+glm::dvec3 weighted(const ClusterScratch& s, std::size_t i)
 {
-    std::array<glm::dvec3, kMostClusters> sums{};
+    return static_cast<double>(s.weight[i]) * glm::dvec3(s.x[i], s.y[i], s.z[i]);
+}
+
+ClusterSums sumsOf(const ClusterScratch& s)
+{
+    ClusterSums sums;
     for (std::size_t i = 0; i < s.x.size(); ++i) {
-        sums[s.cluster[i]] += static_cast<double>(s.weight[i]) * glm::dvec3(s.x[i], s.y[i], s.z[i]);
+        sums.direction[s.cluster[i]] += weighted(s, i);
+        sums.weight += static_cast<double>(s.weight[i]);
     }
+    return sums;
+}
+
+/// Takes those that changed their cluster over: few, after the first rounds. False: none did.
+bool takeOver(const ClusterScratch& s, ClusterSums& sums)
+{
+    bool isChanged = false;
+    for (std::size_t i = 0; i < s.x.size(); ++i) {
+        if (s.cluster[i] == s.previous[i]) continue;
+        const glm::dvec3 moved = weighted(s, i);
+        sums.direction[s.previous[i]] -= moved;
+        sums.direction[s.cluster[i]] += moved;
+        isChanged = true;
+    }
+    return isChanged;
+}
+
+/// Moves each centre to the mean direction of its cluster; one whose directions cancel stays.
+void recentre(Centres& centres, int clusters, const ClusterSums& sums)
+{
     for (int j = 0; j < clusters; ++j) {
         const auto n = static_cast<std::size_t>(j);
-        const double length = glm::length(sums[n]);
-        if (length > 0.0) centres[n] = glm::vec3(sums[n] / length);
+        const double length = glm::length(sums.direction[n]);
+        // rounding is left where all have gone
+        if (length > 1e-12 * sums.weight) centres[n] = glm::vec3(sums.direction[n] / length);
     }
 }
 
@@ -136,11 +168,12 @@ int clusterDirections(std::span<const LightVector> lights, int k, ClusterScratch
     }
     Centres centres{};
     const int clusters = seed(centres, std::min(k, kMostClusters), s);
+    ClusterSums sums = sumsOf(s);
     for (int round = 0; round < kRounds && clusters > 1; ++round) {
         s.previous = s.cluster;
-        recentre(centres, clusters, s);
+        recentre(centres, clusters, sums);
         assign(centres, clusters, s);
-        if (s.cluster == s.previous) break;
+        if (!takeOver(s, sums)) break;
     }
     return clusters;
 }

@@ -36,6 +36,7 @@ namespace {
 
 constexpr double kFewest = 32.0;    ///< photons of the smallest kernel tried
 constexpr double kDoubt = 4.0;      ///< standard errors that two kernels' estimates may differ by
+constexpr double kLoneDoubt = 6.0;  ///< the same while there is one to compare with
 constexpr double kLeastShare = 0.1; ///< of a variance that a difference always has
 constexpr double kReserve = 3.0;    ///< times its expected square that a plane's difference has to stand up to
 constexpr double kThinnest = 1e-3;  ///< least determinant, relative to the radius, of a plane fit
@@ -121,10 +122,11 @@ public:
     [[nodiscard]] bool holds(double value, double noise, double spread)
     {
         std::size_t against = 0;
+        const double doubt = size_ < 2 ? kLoneDoubt : kDoubt;
         for (std::size_t i = 0; i < size_; ++i) {
             const double apart = value - values_[i];
             const double variance = noise * noise * std::max(spreads_[i] / spread - 1.0, kLeastShare);
-            if (apart * apart > kDoubt * kDoubt * variance) ++against;
+            if (apart * apart > doubt * doubt * variance) ++against;
         }
         // two, where there are as many: the smallest kernel alone may be a chance cluster of photons
         if (size_ > 0 && against >= std::min<std::size_t>(size_, 2)) return false;

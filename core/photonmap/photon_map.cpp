@@ -57,10 +57,7 @@ std::shared_ptr<const PhotonMap> PhotonMap::build(const std::shared_ptr<const Ph
 
 bool PhotonMap::takeInOrder(const PhotonPaths& paths, const std::vector<Record>& records, const std::stop_token& stop)
 {
-    paths_.group = paths.group;
-    paths_.shot = paths.shot, paths_.rays = paths.rays;
-    paths_.caustic = paths.caustic, paths_.cutOff = paths.cutOff;
-    paths_.ledger = paths.ledger;
+    paths_ = paths.withoutPhotons();
     paths_.photons.resize(records.size());
     origin_.resize(records.size());
     for (std::size_t i = 0; i < records.size(); ++i) {
@@ -126,13 +123,20 @@ std::size_t PhotonMap::memoryBytes() const
 
 namespace {
 
-/// Leaves the `count` least keys. Returns the squared distance of the largest of them.
-float nearest(std::uint32_t count, std::vector<std::uint64_t>& keys)
+/// Leaves the `count` least keys, in their order. Returns the squared distance of the largest of them.
+float nearest(std::uint32_t count, std::vector<std::uint64_t>& keys, std::vector<std::uint64_t>& work)
 {
-    const auto last = keys.begin() + static_cast<std::ptrdiff_t>(count) - 1;
-    std::nth_element(keys.begin(), last, keys.end());
-    keys.resize(count);
-    return std::bit_cast<float>(static_cast<std::uint32_t>(keys.back() >> 32));
+    work = keys; // selection shuffles: what is left must not depend on what else was there
+    const auto last = work.begin() + static_cast<std::ptrdiff_t>(count) - 1;
+    std::nth_element(work.begin(), last, work.end());
+    const std::uint64_t most = *last;
+    std::size_t kept = 0;
+    for (const std::uint64_t key : keys) {
+        keys[kept] = key;
+        kept += key <= most ? 1 : 0;
+    }
+    keys.resize(kept);
+    return std::bit_cast<float>(static_cast<std::uint32_t>(most >> 32));
 }
 
 } // namespace
@@ -144,6 +148,7 @@ struct PhotonMap::Search {
     float stretch; // stretch^2 - 1
     float limit;   // squared distance beyond which nothing is wanted
     std::vector<std::uint64_t>& keys;
+    std::vector<std::uint64_t>& work;
 };
 
 namespace {
@@ -177,7 +182,8 @@ void PhotonMap::scan(Search& search, std::uint32_t number) const
         if (!(squared[i] <= search.limit) || !(cosine[i] > query.leastCosine)) continue;
         search.keys.push_back(std::uint64_t(std::bit_cast<std::uint32_t>(squared[i])) << 32 | (number * kBlock + i));
     }
-    if (search.keys.size() >= 2 * std::size_t(query.count)) search.limit = nearest(query.count, search.keys);
+    if (search.keys.size() >= 2 * std::size_t(query.count))
+        search.limit = nearest(query.count, search.keys, search.work);
 }
 
 void PhotonMap::descend(Search& search, std::uint32_t firstBlock, std::uint32_t blocks, std::uint32_t node,
@@ -211,13 +217,13 @@ void PhotonMap::gather(const GatherQuery& query, Gathered& out) const
     if (blocks_.empty() || query.count == 0) return;
     // if the guess holds enough photons it holds the nearest; if not, the search begins again without it
     const bool isGuessed = out.expected > 0.0f && out.expected < query.radius;
-    if (isGuessed) collect(query, out.expected, out.keys);
+    if (isGuessed) collect(query, out.expected, out);
     if (!isGuessed || out.keys.size() < query.count) {
         out.keys.clear();
-        collect(query, query.radius, out.keys);
+        collect(query, query.radius, out);
     }
     if (out.keys.size() >= query.count) {
-        out.radius = std::sqrt(nearest(query.count, out.keys));
+        out.radius = std::sqrt(nearest(query.count, out.keys, out.work));
         out.expected = 1.1f * out.radius;
         out.isFull = true;
     }
@@ -225,9 +231,9 @@ void PhotonMap::gather(const GatherQuery& query, Gathered& out) const
     for (std::size_t i = 0; i < out.keys.size(); ++i) out.photons[i] = static_cast<std::uint32_t>(out.keys[i]);
 }
 
-void PhotonMap::collect(const GatherQuery& query, float radius, std::vector<std::uint64_t>& keys) const
+void PhotonMap::collect(const GatherQuery& query, float radius, Gathered& out) const
 {
-    Search search{query, query.stretch * query.stretch - 1.0f, radius * radius, keys};
+    Search search{query, query.stretch * query.stretch - 1.0f, radius * radius, out.keys, out.work};
     descend(search, 0, static_cast<std::uint32_t>(blocks_.size()), 0, glm::vec3(0.0f), 0.0f);
 }
 

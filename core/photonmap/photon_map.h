@@ -17,15 +17,16 @@ struct GatherQuery {
     std::uint32_t count = 100; ///< K: the nearest that many
 };
 
-/// What a gather found. Photons in no particular order, but always the same set.
+/// What a gather found: always the same photons in the same order, the tree's from near to far.
 struct Gathered {
     std::vector<std::uint32_t> photons; ///< numbers for PhotonMap::photon
     float radius = 0.0f;                ///< of the kernel: distance of the K-th photon, or the cap if fewer were there
     bool isFull = false;                ///< K photons were found
     std::vector<std::uint64_t> keys; ///< the same as (bits of the squared distance as float) << 32 | number; order as
                                      ///< in `photons`; kept between gathers of one thread
-    float expected =
-        0.0f; ///< a guess at the next gather's radius, from the last one: saves time where points lie close
+    std::vector<std::uint64_t> work; ///< for selections
+    /// A guess at the next radius, from the last gather: saves time where queries lie close, and changes nothing else.
+    float expected = 0.0f;
 };
 
 /// kd-tree over one light group's photons: blocks of 16 in structure-of-arrays form under an implicit tree of median
@@ -68,7 +69,7 @@ private:
     void fill(std::uint32_t block);
     void descend(Search& search, std::uint32_t firstBlock, std::uint32_t blocks, std::uint32_t node, glm::vec3 offset,
                  float squared) const;
-    void collect(const GatherQuery& query, float radius, std::vector<std::uint64_t>& keys) const;
+    void collect(const GatherQuery& query, float radius, Gathered& out) const;
     void scan(Search& search, std::uint32_t block) const;
 
     PhotonPaths paths_;

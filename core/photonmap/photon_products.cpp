@@ -140,12 +140,14 @@ std::string photonKey(const BakeJob& job, const SceneProducts& scene, int group)
     return scene.lampKey(static_cast<std::size_t>(group)) + stageKey(job.params, Stage::shoot, Method::photonMap);
 }
 
+/// The photons of a group; without the list itself if they are in a map already.
 std::shared_ptr<const PhotonPaths> paths(const BakeJob& job, const SceneProducts& scene, int group,
-                                         const std::string& key, BakeProducts& products, BakeControl& control,
-                                         const std::function<void(double)>& progress)
+                                         const std::string& key, bool isMapped, BakeProducts& products,
+                                         BakeControl& control, const std::function<void(double)>& progress)
 {
     WorkCounters& counters = products.counters;
-    if (auto kept = products.find<PhotonPaths>(key)) {
+    const auto kept = products.find<PhotonPaths>(key);
+    if (kept && (isMapped || !kept->photons.empty())) {
         counters.photonsReused += kept->shot;
         ++counters.groupsReused;
         return kept;
@@ -208,22 +210,23 @@ Result<PhotonProducts> photonProducts(const BakeJob& job, BakeProducts& products
             continue;
         }
         const std::string key = photonKey(job, result.scene, g);
-        const auto shot = paths(job, result.scene, g, key, products, control, [&](double fraction) {
+        auto map = products.find<PhotonMap>(key);
+        const auto shot = paths(job, result.scene, g, key, map != nullptr, products, control, [&](double fraction) {
             control.progress(Stage::shoot, share * (done + 0.8 * fraction) / on);
         });
         if (!shot) return cancelled();
-        counters.photonsStored += shot->photons.size();
         counters.causticPhotons += shot->caustic;
         counters.pathsCutOff += shot->cutOff;
         counters.ledger += shot->ledger;
         ++counters.groupsBaked;
-        auto map = products.find<PhotonMap>(key);
         if (!map) {
             const StageClock clock("tree", control);
             map = PhotonMap::build(shot, control.stop());
             if (!map) return cancelled();
             products.keep(key, map, clock.stop());
+            products.replace(key, std::make_shared<const PhotonPaths>(shot->withoutPhotons()));
         }
+        counters.photonsStored += map->size();
         result.maps.push_back(map);
         control.progress(Stage::shoot, share * ++done / on);
     }

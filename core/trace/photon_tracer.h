@@ -34,6 +34,8 @@ struct PhotonPaths {
     std::uint64_t cutOff = 0;  ///< paths that reached the longest length
     Ledger ledger;
     RawVector<Photon> photons;
+    /// The counts alone.
+    [[nodiscard]] PhotonPaths withoutPhotons() const { return {group, shot, rays, caustic, cutOff, ledger, {}}; }
 };
 
 struct PhotonJob {

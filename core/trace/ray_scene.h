@@ -46,7 +46,8 @@ public:
     /// Errors: out of memory; cancelled (a stop is seen within Embree's build too).
     static Result<std::shared_ptr<const RayScene>> build(std::shared_ptr<const Scene> scene, Isa isa = Isa::automatic,
                                                          std::stop_token stop = {});
-    /// The same triangles for an edit of the scene with the same surface (`surfaceHash`): the triangles are shared. O(instances).
+    /// The same triangles for an edit of the scene with the same surface (`surfaceHash`): the triangles are shared.
+    /// O(instances).
     [[nodiscard]] std::shared_ptr<const RayScene> withScene(std::shared_ptr<const Scene> scene) const;
     ~RayScene();
     RayScene(const RayScene&) = delete;
