@@ -71,23 +71,40 @@ private Q_SLOTS:
         }
         const ReferenceResult reference = traceProbes(lit, probes, 32'768);
         QCOMPARE(reference.causticPhotons, std::uint64_t(0)); // a panel that paths find by themselves
-        BakeParams params; // the defaults: leaves of 19 mm and 300 photons, split where that blurs
-        params.octreeFirstDepth = params.octreeDepth;
-        const Baked baked = bakeOctree(lit.scene, params);
-        QVERIFY2(baked.error.empty(), baked.error.c_str());
-        QVERIFY(baked.counters.causticPhotons > 10'000);
-        std::size_t probe = 0;
-        for (const Line& line : lines()) {
-            std::vector<double> truth, found;
-            for (int i = 0; i < Line::kPoints; ++i, ++probe) {
-                truth.push_back(double(luminance(reference.probes[probe].indirect)));
-                found.push_back(double(luminance(baked.field->irradiance(probes[probe].position, {0, 1, 0}))));
+        // the defaults: leaves of 19 mm and 300 photons, split where that blurs. One bake's width is uncertain by a
+        // sixth, so that any one may miss by chance: the middle one of five tells whether the method is right
+        constexpr int kBakes = 5;
+        std::array<std::array<double, kBakes>, 3> peaks{}, widths{};
+        for (int b = 0; b < kBakes; ++b) {
+            BakeParams params;
+            params.octreeFirstDepth = params.octreeDepth;
+            params.seed = std::uint64_t(b + 1);
+            const Baked baked = bakeOctree(lit.scene, params);
+            QVERIFY2(baked.error.empty(), baked.error.c_str());
+            QVERIFY(baked.counters.causticPhotons > 10'000);
+            for (std::size_t line = 0; line < 3; ++line) {
+                std::vector<double> found;
+                for (std::size_t i = 0; i < Line::kPoints; ++i)
+                    found.push_back(double(
+                        luminance(baked.field->irradiance(probes[line * Line::kPoints + i].position, {0, 1, 0}))));
+                const Hump hump = humpOf(found, lines()[line].step());
+                peaks[line][std::size_t(b)] = hump.peak, widths[line][std::size_t(b)] = hump.width;
             }
-            const Hump r = humpOf(truth, line.step()), o = humpOf(found, line.step());
-            qInfo("%s: peak %.0f lx of %.0f, width %.1f mm of %.1f", qPrintable(line.name), o.peak, r.peak,
-                  1000.0 * o.width, 1000.0 * r.width);
-            QVERIFY2(std::abs(o.peak - r.peak) <= 0.2 * r.peak, qPrintable(line.name));
-            QVERIFY2(std::abs(o.width - r.width) <= 0.2 * r.width, qPrintable(line.name));
+        }
+        for (std::size_t line = 0; line < 3; ++line) {
+            std::vector<double> truth;
+            for (std::size_t i = 0; i < Line::kPoints; ++i)
+                truth.push_back(double(luminance(reference.probes[line * Line::kPoints + i].indirect)));
+            const Hump r = humpOf(truth, lines()[line].step());
+            std::ranges::sort(peaks[line]);
+            std::ranges::sort(widths[line]);
+            const std::string name = lines()[line].name.toStdString();
+            const double peak = peaks[line][kBakes / 2], width = widths[line][kBakes / 2];
+            qInfo("%s: peak %.0f (%.0f to %.0f) lx of %.0f, width %.1f (%.1f to %.1f) mm of %.1f", name.c_str(), peak,
+                  peaks[line].front(), peaks[line].back(), r.peak, 1000.0 * width, 1000.0 * widths[line].front(),
+                  1000.0 * widths[line].back(), 1000.0 * r.width);
+            QVERIFY2(std::abs(peak - r.peak) <= 0.2 * r.peak, name.c_str());
+            QVERIFY2(std::abs(width - r.width) <= 0.2 * r.width, name.c_str());
         }
     }
 
