@@ -9,7 +9,7 @@
 uniform usampler3D bricks;
 uniform usampler2D vdls, normals;
 uniform int depth, deepest;
-uniform int vdlCount;
+uniform int classEnds[9]; // kMostVdls + 1
 uniform int hasDirections;
 uniform int vdlWidth, normalWidth;
 uniform vec3 lowest;
@@ -37,6 +37,11 @@ uvec2 normalAt(int entry)
     return texelFetch(normals, rowTexel(entry, normalWidth), 0).xy;
 }
 
+int classEnd(int lights)
+{
+    return classEnds[lights];
+}
+
 vec3 entryValue(int entry, vec3 n);
 #include "octree_walk.glsl"
 
@@ -49,8 +54,9 @@ float metalAlpha;
 vec3 entryGloss(int entry, vec3 n)
 {
     vec3 sum = vec3(0.0);
-    for (int j = 0; j < vdlCount; ++j) {
-        uvec4 texel = vdlAt(entry * vdlCount + j);
+    ivec2 lights = lightsOf(entry);
+    for (int j = 0; j < lights.y; ++j) {
+        uvec4 texel = vdlAt(lights.x + j);
         if ((texel.x | texel.y | texel.z) == 0u) break;
         vec3 colour = vec3(halfValue(texel.x), halfValue(texel.y), halfValue(texel.z));
         sum += colour * metalReflects(metalF0, metalAlpha, n, directionValue(texel.w >> 8u, texel.w & 255u), toEye);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lookup in a light octree's arrays (core/bake/gpu_layout.h): one text for pixels (mode_vdl.frag) and for the processor
 // (core/bake/packed_octree.cpp), so that both give the same light. Whoever includes it brings
-//   int depth, deepest, vdlCount, hasDirections; vec3 lowest; float cellSize, colourScale
+//   int depth, deepest, hasDirections; vec3 lowest; float cellSize, colourScale
+//   int classEnd(int lights): entries with at most as many lights, 0 to kMostVdls
 //   uvec4 brickAt(ivec3 texel), vdlAt(int number); uvec2 normalAt(int entry)
 //   vec3 entryValue(int entry, vec3 n): what is asked of an entry, for octreeBlend
 // and common_octree.glsl, common_vdl.glsl, shared_limits.glsl.
@@ -42,12 +43,28 @@ SHARED int entryFor(ivec3 leaf, vec3 n)
     return best;
 }
 
+// First light (x) of an entry and how many it has room for (y). Entries are ordered by that number.
+SHARED ivec2 lightsOf(int entry)
+{
+    int start = classEnd(0);
+    int first = 0;
+    if (entry < start) return ivec2(0);
+    for (int lights = 1; lights < kMostVdls; ++lights) {
+        int end = classEnd(lights);
+        if (entry < end) return ivec2(first + (entry - start) * lights, lights);
+        first += (end - start) * lights;
+        start = end;
+    }
+    return ivec2(first + (entry - start) * kMostVdls, kMostVdls);
+}
+
 // Illuminance that an entry gives a surface facing n, in units of colourScale lux.
 SHARED vec3 entryIlluminance(int entry, vec3 n)
 {
     vec3 sum = vec3(0.0f);
-    for (int j = 0; j < vdlCount; ++j) {
-        uvec4 texel = vdlAt(entry * vdlCount + j);
+    ivec2 lights = lightsOf(entry);
+    for (int j = 0; j < lights.y; ++j) {
+        uvec4 texel = vdlAt(lights.x + j);
         if ((texel.x | texel.y | texel.z) == 0u) break; // black ones come last
         vec3 colour = vec3(halfValue(texel.x), halfValue(texel.y), halfValue(texel.z));
         if (hasDirections == 0) return colour;

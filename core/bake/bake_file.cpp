@@ -137,7 +137,7 @@ try {
     }
     BakeFile bake{*info, nullptr, {}, {}};
     if (info->method == Method::lightOctree) {
-        bake.octree = readOctree(file, scene, isOn, info->params.vdlForm);
+        bake.octree = readOctree(file, scene, isOn, info->params);
         return bake;
     }
     for (std::size_t g = 0; g < isOn.size(); ++g) {

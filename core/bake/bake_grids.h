@@ -13,7 +13,7 @@ namespace lightloom {
 void storeOctree(const LightOctree& octree, const Scene& scene, VdbFile& file);
 /// `isOn` by light group; the mix is empty.
 [[nodiscard]] std::shared_ptr<const LightOctree> readOctree(const VdbFile& file, const Scene& scene,
-                                                            const std::vector<bool>& isOn, VdlForm form);
+                                                            const std::vector<bool>& isOn, const BakeParams& params);
 
 void storePhotons(const PhotonMapField& field, const Scene& scene, VdbFile& file);
 /// Empty where the bake kept none.

@@ -23,19 +23,94 @@ struct Texel {
 };
 using Brick = std::array<Texel, 8>;
 
+/// Calls visit(geometry, level) for the octree's own depth and for each deeper one.
+template<class Visit>
+void forLevels(const LightOctree& octree, const Visit& visit)
+{
+    visit(octree.geometry(), std::size_t(0));
+    for (std::size_t level = 0; level < octree.deeper().size(); ++level)
+        visit(octree.deeper()[level].geometry, level + 1);
+}
+
+/// What every entry holds under the mix, in the order of levels, leaves and entries.
+struct MixedLights {
+    std::vector<Vdl> vdls;
+    std::vector<std::size_t> first; ///< of each entry, and the end
+};
+
+MixedLights mixAll(const LightOctree& octree, const GpuOctree& gpu)
+{
+    MixedLights all;
+    all.first.reserve(gpu.entryCount + 1);
+    forLevels(octree, [&](const OctreeGeometry& geometry, std::size_t level) {
+        for (std::size_t e = 0; e < geometry.entries.size(); ++e) {
+            all.first.push_back(all.vdls.size());
+            if (!gpu.hasDirections) {
+                all.vdls.push_back({octree.mixedColour({e, level}), geometry.entries[e].normal});
+                continue;
+            }
+            const std::vector<Vdl> some = octree.mixed({e, level}, gpu.vdlCount);
+            all.vdls.insert(all.vdls.end(), some.begin(), some.end());
+        }
+    });
+    all.first.push_back(all.vdls.size());
+    return all;
+}
+
+/// Numbers of entries in the arrays: leaves by the most lights that an entry of theirs has.
+struct EntryOrder {
+    std::vector<std::vector<std::uint32_t>> firstEntry; ///< by level and leaf
+    std::vector<std::size_t> entries;                   ///< by number: its place among MixedLights
+    std::vector<glm::vec3> normals;                     ///< by number
+    std::array<int, 9> classEnds{};
+    std::uint64_t texels = 0;
+};
+
+EntryOrder orderEntries(const LightOctree& octree, const MixedLights& mixed)
+{
+    EntryOrder order;
+    std::vector<std::vector<std::uint8_t>> classes;
+    std::size_t place = 0;
+    forLevels(octree, [&](const OctreeGeometry& g, std::size_t) {
+        std::vector<std::uint8_t>& of = classes.emplace_back();
+        for (std::size_t i = 0; i < g.cells.size(); ++i) {
+            std::size_t most = 0;
+            for (std::uint32_t e = g.firstEntry[i]; e < g.firstEntry[i + 1]; ++e, ++place)
+                most = std::max(most, mixed.first[place + 1] - mixed.first[place]);
+            of.push_back(static_cast<std::uint8_t>(most));
+        }
+        order.firstEntry.emplace_back(g.cells.size());
+    });
+    for (std::size_t lights = 0; lights < order.classEnds.size(); ++lights) {
+        const std::size_t before = order.entries.size();
+        std::size_t levelFirst = 0; // place of the level's first entry
+        forLevels(octree, [&](const OctreeGeometry& g, std::size_t level) {
+            for (std::size_t i = 0; i < g.cells.size(); ++i) {
+                if (classes[level][i] != lights) continue;
+                order.firstEntry[level][i] = static_cast<std::uint32_t>(order.entries.size());
+                for (std::uint32_t e = g.firstEntry[i]; e < g.firstEntry[i + 1]; ++e) {
+                    order.entries.push_back(levelFirst + e);
+                    order.normals.push_back(g.entries[e].normal);
+                }
+            }
+            levelFirst += g.entries.size();
+        });
+        order.classEnds[lights] = static_cast<int>(order.entries.size());
+        order.texels += lights * (order.entries.size() - before);
+    }
+    return order;
+}
+
 constexpr std::uint8_t kNode = 1, kSplit = 255; ///< alpha
 
 /// Turns sorted leaf codes into bricks, depth first, the root brick first.
 class BrickBuilder {
 public:
-    explicit BrickBuilder(const LightOctree& octree)
+    BrickBuilder(const LightOctree& octree, const EntryOrder& order)
     {
-        levels_.push_back({&octree.geometry(), 0});
-        for (const UnionLevel& level : octree.deeper()) {
-            const Level& above = levels_.back();
-            levels_.push_back(
-                {&level.geometry, above.firstEntry + static_cast<std::uint32_t>(above.geometry->entries.size())});
-        }
+        forLevels(octree, [&](const OctreeGeometry& geometry, std::size_t level) {
+            levels_.push_back({&geometry, &order.firstEntry[level]});
+        });
         const OctreeGeometry& geometry = octree.geometry();
         const std::uint32_t root = newBrick();
         if (!geometry.cells.empty()) fill(root, 0, geometry.cells.size(), 0);
@@ -47,7 +122,7 @@ public:
 private:
     struct Level {
         const OctreeGeometry* geometry;
-        std::uint32_t firstEntry; ///< number of its first entry among all levels'
+        const std::vector<std::uint32_t>* firstEntry; ///< of each leaf
     };
 
     std::uint32_t newBrick()
@@ -101,7 +176,7 @@ private:
                 brick = self, octant = 0;
             }
         }
-        const std::uint32_t entry = levels_[level].firstEntry + geometry.firstEntry[i];
+        const std::uint32_t entry = (*levels_[level].firstEntry)[i];
         const std::uint32_t count = geometry.firstEntry[i + 1] - geometry.firstEntry[i];
         bricks[brick][octant] = {static_cast<std::uint8_t>(entry), static_cast<std::uint8_t>(entry >> 8),
                                  static_cast<std::uint8_t>(entry >> 16), static_cast<std::uint8_t>(count + 1)};
@@ -134,40 +209,6 @@ void layOutBricks(const BrickBuilder& built, GpuOctree& gpu)
     }
 }
 
-/// Visits every entry in the order of their numbers: those of the octree's own depth first, then level by level.
-template<class Visit>
-void forEntries(const LightOctree& octree, const Visit& visit)
-{
-    for (std::size_t e = 0; e < octree.geometry().entries.size(); ++e) visit(LightOctree::At{e, 0});
-    for (std::size_t level = 0; level < octree.deeper().size(); ++level) {
-        const std::size_t count = octree.deeper()[level].geometry.entries.size();
-        for (std::size_t e = 0; e < count; ++e) visit(LightOctree::At{e, level + 1});
-    }
-}
-
-/// What every entry holds under the mix, `gpu.vdlCount` each.
-std::vector<Vdl> mixAll(const LightOctree& octree, const GpuOctree& gpu)
-{
-    std::vector<Vdl> all;
-    all.reserve(gpu.entryCount * static_cast<std::size_t>(gpu.vdlCount));
-    forEntries(octree, [&](LightOctree::At at) {
-        if (!gpu.hasDirections) {
-            all.push_back({octree.mixedColour(at), octree.surface(at).normal});
-            return;
-        }
-        const std::vector<Vdl> some = octree.mixed(at, gpu.vdlCount);
-        all.insert(all.end(), some.begin(), some.end());
-    });
-    return all;
-}
-
-std::vector<glm::vec3> normalsOf(const LightOctree& octree)
-{
-    std::vector<glm::vec3> normals;
-    forEntries(octree, [&](LightOctree::At at) { normals.push_back(octree.surface(at).normal); });
-    return normals;
-}
-
 /// Power of two that brings the brightest colour just below the end of the half floats.
 float scaleFor(const std::vector<Vdl>& vdls)
 {
@@ -176,23 +217,29 @@ float scaleFor(const std::vector<Vdl>& vdls)
     return most > 0.0f ? std::exp2(std::ceil(std::log2(most / kMostColour))) : 1.0f;
 }
 
-void packVdls(const std::vector<glm::vec3>& normals, const std::vector<Vdl>& vdls, GpuOctree& gpu)
+void packVdls(const MixedLights& mixed, const EntryOrder& order, GpuOctree& gpu)
 {
-    gpu.colourScale = scaleFor(vdls);
+    gpu.colourScale = scaleFor(mixed.vdls);
     gpu.vdls.assign(4 * static_cast<std::size_t>(gpu.vdlWidth) * static_cast<std::size_t>(gpu.vdlHeight), 0);
-    std::size_t next = 0; // where the next light goes: an entry's black ones come last, black as halves
-    for (std::size_t i = 0; i < vdls.size(); ++i) {
-        if (i % static_cast<std::size_t>(gpu.vdlCount) == 0) next = i;
-        const std::uint16_t direction = gpu.hasDirections ? packDirection(vdls[i].toLight) : std::uint16_t(0);
-        const glm::vec3 n = normals[i / static_cast<std::size_t>(gpu.vdlCount)];
-        // the rounded direction meets the surface at another angle: keep what it gives on the entry's own normal
-        const float was = glm::dot(vdls[i].toLight, n), is = glm::dot(unpackDirection(direction), n);
-        const float keep = gpu.hasDirections && was > kLeastCosine && is > kLeastCosine ? was / is : 1.0f;
-        const glm::vec3 colour = vdls[i].colour * (keep / gpu.colourScale);
-        const std::array texel{imath_float_to_half(colour.x), imath_float_to_half(colour.y),
-                               imath_float_to_half(colour.z), direction};
-        if ((texel[0] | texel[1] | texel[2]) == 0) continue;
-        std::ranges::copy(texel, gpu.vdls.begin() + static_cast<std::ptrdiff_t>(4 * next++));
+    std::size_t lights = 0, texels = 0; // of the class; of the entries so far
+    for (std::size_t number = 0; number < order.entries.size(); ++number) {
+        while (number >= static_cast<std::size_t>(order.classEnds[lights])) ++lights;
+        std::size_t next = texels; // an entry's black ones come last, black as halves
+        const std::size_t e = order.entries[number];
+        for (std::size_t i = mixed.first[e]; i < mixed.first[e + 1]; ++i) {
+            const Vdl& vdl = mixed.vdls[i];
+            const std::uint16_t direction = gpu.hasDirections ? packDirection(vdl.toLight) : std::uint16_t(0);
+            // the rounded direction meets the surface at another angle: keep what it gives on the entry's own normal
+            const float was = glm::dot(vdl.toLight, order.normals[number]),
+                        is = glm::dot(unpackDirection(direction), order.normals[number]);
+            const float keep = gpu.hasDirections && was > kLeastCosine && is > kLeastCosine ? was / is : 1.0f;
+            const glm::vec3 colour = vdl.colour * (keep / gpu.colourScale);
+            const std::array texel{imath_float_to_half(colour.x), imath_float_to_half(colour.y),
+                                   imath_float_to_half(colour.z), direction};
+            if ((texel[0] | texel[1] | texel[2]) == 0) continue;
+            std::ranges::copy(texel, gpu.vdls.begin() + static_cast<std::ptrdiff_t>(4 * next++));
+        }
+        texels += lights;
     }
 }
 
@@ -250,14 +297,22 @@ Result<GpuOctree> makeGpuOctree(const LightOctree& octree)
         gpu.leafCount += level.geometry.cells.size();
         gpu.entryCount += level.geometry.entries.size();
     }
-    const std::uint64_t texels = gpu.entryCount * static_cast<std::uint64_t>(gpu.vdlCount);
-    if (texels > kMostWidth * kMostWidth) {
+    const auto tooMany = [&](std::uint64_t texels) {
         return Error{Error::Kind::unsupported,
-                     fmt::format("{} entries with {} lights each need {} texels and 24 bits address {}; lower "
+                     fmt::format("{} entries with up to {} lights each need {} texels and 24 bits address {}; lower "
                                  "octree.depth, octree.detail or vdl.count",
                                  gpu.entryCount, gpu.vdlCount, texels, kMostWidth * kMostWidth)};
-    }
-    const BrickBuilder built(octree);
+    };
+    // before anything is mixed: an adaptive octree may need less than it could, others need it all
+    const bool isAdaptive =
+        std::ranges::any_of(octree.layers(), [](const auto& layer) { return layer && layer->tolerance > 0.0f; });
+    const std::uint64_t couldNeed = gpu.entryCount * static_cast<std::uint64_t>(isAdaptive ? 1 : gpu.vdlCount);
+    if (couldNeed > kMostWidth * kMostWidth) return tooMany(couldNeed);
+    const MixedLights mixed = mixAll(octree, gpu);
+    const EntryOrder order = orderEntries(octree, mixed);
+    if (order.texels > kMostWidth * kMostWidth) return tooMany(order.texels);
+    gpu.classEnds = order.classEnds;
+    const BrickBuilder built(octree, order);
     const std::optional<glm::ivec3> side = brickBox(built.bricks.size());
     if (!side) {
         return Error{
@@ -267,12 +322,11 @@ Result<GpuOctree> makeGpuOctree(const LightOctree& octree)
                 built.bricks.size(), kMostBrickSide)};
     }
     gpu.side = *side;
-    shape(texels, gpu.vdlWidth, gpu.vdlHeight);
+    shape(order.texels, gpu.vdlWidth, gpu.vdlHeight);
     shape(gpu.entryCount, gpu.normalWidth, gpu.normalHeight);
     layOutBricks(built, gpu);
-    const std::vector<glm::vec3> normals = normalsOf(octree);
-    packVdls(normals, mixAll(octree, gpu), gpu);
-    packNormals(normals, gpu);
+    packVdls(mixed, order, gpu);
+    packNormals(order.normals, gpu);
     return gpu;
 }
 

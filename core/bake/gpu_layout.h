@@ -2,6 +2,7 @@
 #pragma once
 #include "core/base/result.h"
 #include "core/octree/light_octree.h"
+#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -14,21 +15,24 @@ namespace lightloom {
 /// (b % side.x, b / side.x % side.y, b / (side.x * side.y)); its texel for child (x,y,z) lies at 2 * those + (x,y,z).
 /// The root is brick 0. A texel's A: 0 empty, 1 node (RGB = brick coordinates of the child), 2..33 leaf with A - 1
 /// entries (R + 256 G + 65536 B = number of its first entry), 255 leaf that is split further (RGB = brick coordinates
-/// of a brick that holds the leaf itself at (0,0,0) and at (1,0,0) a node with its children). Entry e has `vdlCount`
-/// texels in `vdls` (RGBA16UI: colour as half floats, times `colourScale` gives lux; direction in the fourth as theta 8
-/// bits high, phi 8 bits low), texel number e * vdlCount + j, at (number % vdlWidth, number / vdlWidth), black ones
-/// last; and one texel in `normals` (RG8UI: theta, phi), at (e % normalWidth, e / normalWidth).
+/// of a brick that holds the leaf itself at (0,0,0) and at (1,0,0) a node with its children). Entries
+/// are ordered by the lights of their leaf: first come classEnds[0] without, up to classEnds[1] those with one light
+/// each, and so on; their texels in `vdls` stand one after the other, texel `number` at (number % vdlWidth,
+/// number / vdlWidth), black ones last within an entry (RGBA16UI: colour as half floats, times `colourScale` gives lux;
+/// direction in the fourth as theta 8 bits high, phi 8 bits low). Entry e has one texel in `normals` (RG8UI: theta,
+/// phi), at (e % normalWidth, e / normalWidth).
 ///
 /// A colour octree (OctreeShow::colour) has one texel per entry, its accumulated illuminance, and no directions.
 struct GpuOctree {
     int depth = 0;
-    int deepest = 0;        ///< of any leaf; `depth` where none is split
-    glm::vec3 lowest{0.0f}; ///< corner of the root cell, scene space
-    float rootSize = 1.0f;  ///< side of the root cell, metres
-    glm::ivec3 side{1};     ///< bricks per axis of `bricks`, at most 128; the texture has 2 * side texels
-    int vdlCount = 1;
-    bool hasDirections = true; ///< false: a colour octree
-    float colourScale = 1.0f;  ///< power of two that keeps colours within half floats
+    int deepest = 0;                ///< of any leaf; `depth` where none is split
+    glm::vec3 lowest{0.0f};         ///< corner of the root cell, scene space
+    float rootSize = 1.0f;          ///< side of the root cell, metres
+    glm::ivec3 side{1};             ///< bricks per axis of `bricks`, at most 128; the texture has 2 * side texels
+    int vdlCount = 1;               ///< most lights of an entry
+    std::array<int, 9> classEnds{}; ///< entries of leaves with at most 0, 1, ... 8 lights an entry
+    bool hasDirections = true;      ///< false: a colour octree
+    float colourScale = 1.0f;       ///< power of two that keeps colours within half floats
     int vdlWidth = 1, vdlHeight = 1, normalWidth = 1, normalHeight = 1;
     std::vector<std::uint8_t> bricks;  ///< 4 * 8 side.x side.y side.z
     std::vector<std::uint16_t> vdls;   ///< 4 * vdlWidth * vdlHeight

@@ -64,15 +64,27 @@ public:
         for (std::uint32_t e = 0; e < slots_.size(); ++e) {
             grid(scalarName(group, e), e, [&](std::uint32_t n) { return layer.scalar[n]; });
             grid(noiseName(group, e), e, [&](std::uint32_t n) { return layer.noise[n]; });
-            for (std::size_t j = 0; j < count; ++j) {
-                const auto vdl = [&, j](std::uint32_t n) -> const Vdl& { return layer.vdls[n * count + j]; };
-                grid(vdlName(group, "colour", e, j), e, [&](std::uint32_t n) { return vdl(n).colour; });
-                grid(vdlName(group, "direction", e, j), e, [&](std::uint32_t n) { return vdl(n).toLight; });
-            }
+            for (std::size_t j = 0; j < count; ++j) lights(layer, group, e, j);
         }
     }
 
 private:
+    /// Light number `j` of entries number `e` that have as many.
+    void lights(const VdlLayer& layer, const std::string& group, std::uint32_t e, std::size_t j)
+    {
+        std::vector<glm::ivec3> cells;
+        std::vector<glm::vec3> colours, directions;
+        for (std::size_t i = 0; i < slots_[e].entries.size(); ++i) {
+            const std::span<const Vdl> some = layer.of(slots_[e].entries[i]);
+            if (j >= some.size()) continue;
+            cells.push_back(slots_[e].cells[i]);
+            colours.push_back(some[j].colour), directions.push_back(some[j].toLight);
+        }
+        if (cells.empty()) return;
+        file_.add(prefix_ + vdlName(group, "colour", e, j), lattice_, cells, std::span(std::as_const(colours)));
+        file_.add(prefix_ + vdlName(group, "direction", e, j), lattice_, cells, std::span(std::as_const(directions)));
+    }
+
     template<class ValueOf>
     void grid(const std::string& name, std::uint32_t e, const ValueOf& valueOf)
     {
@@ -102,28 +114,73 @@ public:
 
     [[nodiscard]] std::shared_ptr<const OctreeGeometry> geometry() const { return geometry_; }
 
-    [[nodiscard]] std::shared_ptr<VdlLayer> layer(const std::string& group, int number) const
+    [[nodiscard]] std::shared_ptr<VdlLayer> layer(const std::string& group, int number, float tolerance) const
     {
         auto layer = std::make_shared<VdlLayer>();
         layer->group = number;
         layer->count = static_cast<int>(file_.integer("lightloom.vdls"));
-        const auto count = static_cast<std::size_t>(layer->count);
+        layer->tolerance = tolerance;
         layer->scalar.resize(geometry_->entries.size());
         layer->noise.resize(geometry_->entries.size());
-        layer->vdls.resize(geometry_->entries.size() * count);
         for (std::uint32_t e = 0; e < slots_.size(); ++e) {
             vectors(scalarName(group, e), e, [&](std::size_t n, glm::vec3 v) { layer->scalar[n] = v; });
             numbers(noiseName(group, e), e, [&](std::size_t n, float v) { layer->noise[n] = v; });
-            for (std::size_t j = 0; j < count; ++j) {
-                const auto vdl = [&, j](std::size_t n) -> Vdl& { return layer->vdls[n * count + j]; };
-                vectors(vdlName(group, "colour", e, j), e, [&](std::size_t n, glm::vec3 v) { vdl(n).colour = v; });
-                vectors(vdlName(group, "direction", e, j), e, [&](std::size_t n, glm::vec3 v) { vdl(n).toLight = v; });
-            }
         }
+        lights(*layer, group);
         return layer;
     }
 
 private:
+    void lights(VdlLayer& layer, const std::string& group) const
+    {
+        const auto count = static_cast<std::size_t>(layer.count);
+        if (layer.tolerance > 0.0f) { // entries have as many as there are grids with a voxel of theirs
+            std::vector<std::uint32_t> counts(geometry_->entries.size(), 0);
+            forLights(group, count, [&](std::size_t n, std::size_t j) {
+                if (counts[n]++ != j) throw std::runtime_error("an entry lacks a light before its last");
+            });
+            layer.first.push_back(0);
+            for (const std::uint32_t some : counts) layer.first.push_back(layer.first.back() + some);
+        }
+        layer.vdls.resize(layer.first.empty() ? geometry_->entries.size() * count : layer.first.back());
+        for (std::uint32_t e = 0; e < slots_.size(); ++e) {
+            for (std::size_t j = 0; j < count; ++j) {
+                std::vector<glm::ivec3> cells;
+                std::vector<std::size_t> places;
+                for (std::size_t i = 0; i < slots_[e].entries.size(); ++i) {
+                    const std::size_t n = slots_[e].entries[i];
+                    const bool has = layer.first.empty() || layer.first[n] + j < layer.first[n + 1];
+                    if (!has) continue;
+                    cells.push_back(slots_[e].cells[i]);
+                    places.push_back(layer.first.empty() ? n * count + j : layer.first[n] + j);
+                }
+                if (cells.empty()) continue;
+                const auto colours = file_.vectors(prefix_ + vdlName(group, "colour", e, j), cells);
+                const auto directions = file_.vectors(prefix_ + vdlName(group, "direction", e, j), cells);
+                for (std::size_t i = 0; i < places.size(); ++i) layer.vdls[places[i]] = {colours[i], directions[i]};
+            }
+        }
+    }
+
+    template<class Use>
+    void forLights(const std::string& group, std::size_t count, const Use& use) const
+    {
+        for (std::uint32_t e = 0; e < slots_.size(); ++e) {
+            for (std::size_t j = 0; j < count; ++j) {
+                const std::string name = prefix_ + vdlName(group, "colour", e, j);
+                if (!file_.contains(name)) break;
+                for (const glm::ivec3 cell : file_.cells(name)) {
+                    const std::int64_t leaf = geometry_->leafAt(cell);
+                    if (leaf < 0) throw std::runtime_error("a light without a leaf");
+                    const std::uint32_t first = geometry_->firstEntry[static_cast<std::size_t>(leaf)];
+                    if (first + e >= geometry_->firstEntry[static_cast<std::size_t>(leaf) + 1])
+                        throw std::runtime_error("a light without an entry");
+                    use(first + e, j);
+                }
+            }
+        }
+    }
+
     void cells()
     {
         if (!file_.contains(prefix_ + normalName(0))) return; // a scene without any reached surface
@@ -206,12 +263,13 @@ void storeOctree(const LightOctree& octree, const Scene& scene, VdbFile& file)
 
 namespace {
 
-std::shared_ptr<const LampDetail> readDetail(const VdbFile& file, int depth, const std::string& group, int number)
+std::shared_ptr<const LampDetail> readDetail(const VdbFile& file, int depth, const std::string& group, int number,
+                                             float tolerance)
 {
     auto detail = std::make_shared<LampDetail>();
     for (int d = depth + 1; file.contains(prefixOf(d, group) + normalName(0)); ++d) {
         const Reader reader(file, d, prefixOf(d, group));
-        detail->push_back({reader.geometry(), reader.layer(kDeeper, number)});
+        detail->push_back({reader.geometry(), reader.layer(kDeeper, number, tolerance)});
     }
     return detail;
 }
@@ -219,7 +277,7 @@ std::shared_ptr<const LampDetail> readDetail(const VdbFile& file, int depth, con
 } // namespace
 
 std::shared_ptr<const LightOctree> readOctree(const VdbFile& file, const Scene& scene, const std::vector<bool>& isOn,
-                                              VdlForm form)
+                                              const BakeParams& params)
 {
     const int depth = static_cast<int>(file.integer("lightloom.depth"));
     const Reader reader(file, depth, prefixOf(depth));
@@ -228,11 +286,11 @@ std::shared_ptr<const LightOctree> readOctree(const VdbFile& file, const Scene& 
     for (std::size_t g = 0; g < isOn.size(); ++g) {
         const std::string group = escaped(scene.groups[g].id);
         const int number = static_cast<int>(g);
-        layers.push_back(isOn[g] ? reader.layer(group, number) : nullptr);
-        details.push_back(isOn[g] ? readDetail(file, depth, group, number) : nullptr);
+        layers.push_back(isOn[g] ? reader.layer(group, number, params.vdlTolerance) : nullptr);
+        details.push_back(isOn[g] ? readDetail(file, depth, group, number, params.vdlTolerance) : nullptr);
     }
-    return std::make_shared<LightOctree>(reader.geometry(), std::move(layers), form, Mix{}, OctreeShow::lights,
-                                         std::move(details));
+    return std::make_shared<LightOctree>(reader.geometry(), std::move(layers), params.vdlForm, Mix{},
+                                         OctreeShow::lights, std::move(details));
 }
 
 } // namespace lightloom

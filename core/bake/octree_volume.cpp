@@ -83,7 +83,8 @@ void addLevel(const LightOctree& octree, std::size_t level, const Scene& scene, 
     std::vector<std::vector<glm::vec3>> colours(static_cast<std::size_t>(most)), directions(colours);
     for (const std::uint32_t e : leaves.largest) {
         normals.push_back(geometry.entries[e].normal);
-        const std::vector<Vdl> vdls = octree.mixed({e, level}, most);
+        std::vector<Vdl> vdls = octree.mixed({e, level}, most);
+        vdls.resize(static_cast<std::size_t>(most));
         for (std::size_t j = 0; j < vdls.size(); ++j) {
             colours[j].push_back(vdls[j].colour);
             directions[j].push_back(vdls[j].toLight);

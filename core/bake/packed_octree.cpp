@@ -12,9 +12,8 @@ namespace {
 /// The arrays as the shader sees them: reads by texel, and the text that walks over them.
 struct OctreeArrays {
     explicit OctreeArrays(const GpuOctree& octree)
-        : arrays(octree), depth(octree.depth), deepest(octree.deepest), vdlCount(octree.vdlCount),
-          hasDirections(octree.hasDirections ? 1 : 0), lowest(octree.lowest),
-          cellSize(std::ldexp(octree.rootSize, -octree.depth)), colourScale(octree.colourScale)
+        : arrays(octree), depth(octree.depth), deepest(octree.deepest), hasDirections(octree.hasDirections ? 1 : 0),
+          lowest(octree.lowest), cellSize(std::ldexp(octree.rootSize, -octree.depth)), colourScale(octree.colourScale)
     {
     }
 
@@ -35,10 +34,11 @@ struct OctreeArrays {
         return {t[0], t[1]};
     }
 
+    [[nodiscard]] int classEnd(int lights) const { return arrays.classEnds[static_cast<std::size_t>(lights)]; }
     [[nodiscard]] vec3 entryValue(int entry, vec3 n) { return entryIlluminance(entry, n); }
 
     const GpuOctree& arrays;
-    int depth, deepest, vdlCount, hasDirections;
+    int depth, deepest, hasDirections;
     vec3 lowest;
     float cellSize, colourScale;
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/octree/detail_level.h"
+#include "core/octree/layer_fit.h"
 #include "core/trace/cell_clip.h"
 #include <algorithm>
 
@@ -40,6 +41,7 @@ DetailLevel kept(const DetailCandidates& level)
     geometry->depth = all.depth, geometry->lowest = all.lowest, geometry->rootSize = all.rootSize;
     auto layer = std::make_shared<VdlLayer>();
     layer->group = level.layer->group, layer->count = level.layer->count;
+    layer->tolerance = level.layer->tolerance;
     for (std::size_t i = 0; i < all.cells.size(); ++i) {
         if (!level.splits[level.parentOf(i)]) continue;
         geometry->cells.push_back(all.cells[i]);
@@ -53,6 +55,7 @@ DetailLevel kept(const DetailCandidates& level)
         }
     }
     geometry->firstEntry.push_back(static_cast<std::uint32_t>(geometry->entries.size()));
+    dropUnused(*layer);
     return {geometry, layer};
 }
 

@@ -9,10 +9,26 @@ std::shared_ptr<VdlLayer> emptyLayer(const OctreeGeometry& geometry, int group, 
     auto layer = std::make_shared<VdlLayer>();
     layer->group = group;
     layer->count = params.vdlCount;
+    layer->tolerance = params.vdlTolerance;
     layer->vdls.resize(geometry.entries.size() * static_cast<std::size_t>(layer->count));
     layer->scalar.resize(geometry.entries.size());
     layer->noise.resize(geometry.entries.size());
     return layer;
+}
+
+void dropUnused(VdlLayer& layer)
+{
+    if (!(layer.tolerance > 0.0f)) return;
+    std::vector<Vdl> used;
+    std::vector<std::uint32_t> first{0};
+    for (std::size_t e = 0; e < layer.scalar.size(); ++e) {
+        for (const Vdl& vdl : layer.of(e)) {
+            if (vdl.colour != glm::vec3(0.0f)) used.push_back(vdl);
+        }
+        first.push_back(static_cast<std::uint32_t>(used.size()));
+    }
+    used.shrink_to_fit();
+    layer.vdls = std::move(used), layer.first = std::move(first);
 }
 
 LeafKernels LeafKernels::of(const OctreeGeometry& geometry, const PhotonMap& map, const SurfaceArea& area,
@@ -59,6 +75,7 @@ bool LayerFit::fit(std::uint32_t e, FitScratch& s) const
     const std::span<Vdl> vdls = std::span(layer_.vdls).subspan(e * count, count);
     fitVdls(s.lights, entry.normal, form_, vdls, s.clusters);
     if (form_ == VdlForm::corrected) scaleTo(glm::vec3(density.lux), entry.normal, vdls);
+    if (layer_.tolerance > 0.0f) spendVdls(vdls, entry.normal, form_, layer_.tolerance, s.clusters);
     layer_.scalar[e] = glm::vec3(density.lux);
     layer_.noise[e] = static_cast<float>(density.noise);
     return density.isDegenerate;

@@ -6,6 +6,9 @@
 
 namespace lightloom {
 
+/// Drops what an adaptive layer did not use. Others stay as they are.
+void dropUnused(VdlLayer& layer);
+
 /// What one thread needs to fit entries.
 struct FitScratch {
     Gathered gathered; ///< of the entry that was fitted last

@@ -182,7 +182,8 @@ std::size_t bytesOf(const OctreeGeometry& geometry)
 
 std::size_t bytesOf(const VdlLayer& layer)
 {
-    return layer.vdls.size() * sizeof(Vdl) + layer.scalar.size() * (sizeof(glm::vec3) + sizeof(float));
+    return layer.vdls.size() * sizeof(Vdl) + layer.first.size() * sizeof(std::uint32_t) +
+           layer.scalar.size() * (sizeof(glm::vec3) + sizeof(float));
 }
 
 } // namespace
@@ -209,9 +210,14 @@ std::vector<Vdl> LightOctree::mixed(At at, int most) const
             if (luma > 0.0f) lights.push_back({vdl.toLight, colour, luma});
         }
     }
-    std::vector<Vdl> out(static_cast<std::size_t>(most));
-    if (lights.size() <= out.size()) { // nothing to merge: as they are
+    float tolerance = 0.0f;
+    for (const auto& layer : layers_) tolerance = layer ? glm::max(tolerance, layer->tolerance) : tolerance;
+    const bool isAdaptive = tolerance > 0.0f;
+    const auto few = static_cast<std::size_t>(most);
+    std::vector<Vdl> out(few);
+    if (lights.size() <= few) { // nothing to merge: as they are
         for (std::size_t i = 0; i < lights.size(); ++i) out[i] = {lights[i].colour, lights[i].toLight};
+        if (isAdaptive) out.resize(lights.size());
         return out;
     }
     ClusterScratch scratch;
@@ -222,6 +228,7 @@ std::vector<Vdl> LightOctree::mixed(At at, int most) const
         for (const LightVector& light : lights) lux += light.colour * glm::max(0.0f, glm::dot(light.toLight, n));
         scaleTo(lux, n, out);
     }
+    if (isAdaptive) out.resize(spendVdls(out, n, form_, tolerance, scratch));
     return out;
 }
 

@@ -38,17 +38,20 @@ struct Vdl {
     glm::vec3 toLight{0.0f, 1.0f, 0.0f}; ///< unit
 };
 
-/// VDLs of one light group at baked intensity: `count` per entry, entry e owns [e * count, (e + 1) * count); unused
-/// ones are black.
+/// VDLs of one light group at baked intensity: `count` per entry, unused ones black; or, where `first` is not empty, at
+/// most `count`, entry e owning [first[e], first[e + 1]).
 struct VdlLayer {
     int group = 0;
     int count = 1;
+    float tolerance = 0.0f; ///< above 0: see spendVdls
+    std::vector<std::uint32_t> first;
     std::vector<Vdl> vdls;
     std::vector<glm::vec3>
         scalar;               ///< per entry: the density estimate, lux on the entry's own surface, without directions
     std::vector<float> noise; ///< per entry: standard error of the luminance of `scalar`, from the gather's own photons
     [[nodiscard]] std::span<const Vdl> of(std::size_t entry) const
     {
+        if (!first.empty()) return std::span(vdls).subspan(first[entry], first[entry + 1] - first[entry]);
         const auto each = static_cast<std::size_t>(count);
         return std::span(vdls).subspan(entry * each, each);
     }
@@ -107,7 +110,8 @@ public:
     /// Accumulated illuminance (lux) of an entry under the mix, without directions. Lamps whose light does not call for
     /// a leaf as deep give what they have there, interpolated.
     [[nodiscard]] glm::vec3 mixedColour(At at) const;
-    /// VDLs of an entry under the mix, all layers' united and merged to at most `most`, vector sums kept.
+    /// VDLs of an entry under the mix, all layers' united and merged to at most `most`, vector sums kept: `most`,
+    /// unused ones black, or as many as the layers' tolerance asks for.
     [[nodiscard]] std::vector<Vdl> mixed(At at, int most) const;
 
 private:

@@ -82,6 +82,7 @@ private:
         const StageClock clock(fmt::format("gather d{}", geometry.depth), control_);
         const auto layer = emptyLayer(geometry, static_cast<int>(g), job_.params);
         if (!fitAll(geometry, *photons_.maps[g], *layer)) return nullptr;
+        dropUnused(*layer);
         products_.keep<VdlLayer>(key, layer, clock.stop());
         return layer;
     }

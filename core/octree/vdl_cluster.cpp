@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/octree/vdl_cluster.h"
+#include "core/base/sampling.h"
 #include "core/base/units.h"
 #include "core/base/wide_vectors.h"
 #include <algorithm>
@@ -205,6 +206,67 @@ void fitVdls(std::span<const LightVector> lights, glm::vec3 n, VdlForm form, std
         if (!sum.strongest || sum.colour == glm::dvec3(0.0)) continue;
         out[used++] = form == VdlForm::corrected ? corrected(sum, n) : asPrinted(sum);
     }
+}
+
+namespace {
+
+constexpr std::size_t kNormals = 65;
+constexpr float kBetween = 0.6f; ///< of the tolerance: normals between those looked at may be further off
+using OnNormals = std::array<glm::vec3, kNormals>;
+
+/// The entry's own, and rings of sixteen at four angles off it, the last just within what an entry answers for.
+OnNormals normalsAround(glm::vec3 n)
+{
+    const Frame frame(n);
+    OnNormals normals{n};
+    std::size_t next = 1;
+    for (const float cosine : {0.95f, 0.8f, 0.55f, kCompatibleCosine + 0.01f}) {
+        const float sine = std::sqrt(1.0f - cosine * cosine);
+        for (int i = 0; i < 16; ++i) {
+            const float phi = 0.125f * kPi * static_cast<float>(i);
+            const glm::vec3 aside = std::cos(phi) * frame.tangent + std::sin(phi) * frame.bitangent;
+            normals[next++] = cosine * n + sine * aside;
+        }
+    }
+    return normals;
+}
+
+OnNormals illuminances(std::span<const Vdl> vdls, const OnNormals& normals)
+{
+    OnNormals lux{};
+    for (const Vdl& vdl : vdls) {
+        for (std::size_t i = 0; i < kNormals; ++i)
+            lux[i] += vdl.colour * glm::max(0.0f, glm::dot(vdl.toLight, normals[i]));
+    }
+    return lux;
+}
+
+} // namespace
+
+std::size_t spendVdls(std::span<Vdl> vdls, glm::vec3 n, VdlForm form, float tolerance, ClusterScratch& scratch)
+{
+    std::vector<LightVector> lights;
+    for (const Vdl& vdl : vdls) {
+        if (const float luma = luminance(vdl.colour); luma > 0.0f) lights.push_back({vdl.toLight, vdl.colour, luma});
+    }
+    const OnNormals normals = normalsAround(n), whole = illuminances(vdls, normals);
+    float brightest = 0.0f;
+    for (const glm::vec3& lux : whole) brightest = glm::max(brightest, luminance(lux));
+    std::vector<Vdl> fewer;
+    for (std::size_t count = 1; count < lights.size(); ++count) {
+        fewer.assign(count, Vdl{});
+        fitVdls(lights, n, form, fewer, scratch);
+        if (form == VdlForm::corrected) scaleTo(whole[0], n, fewer);
+        const OnNormals merged = illuminances(fewer, normals);
+        float apart = 0.0f;
+        for (std::size_t i = 0; i < kNormals; ++i) apart = glm::max(apart, maxChannel(glm::abs(merged[i] - whole[i])));
+        if (!(apart <= kBetween * tolerance * brightest)) continue;
+        std::ranges::fill(vdls, Vdl{glm::vec3(0.0f), n});
+        std::ranges::copy(fewer, vdls.begin());
+        return count;
+    }
+    std::ranges::stable_partition(vdls, [](const Vdl& vdl) { return luminance(vdl.colour) > 0.0f; });
+    return lights.size();
 }
 
 void scaleTo(glm::vec3 lux, glm::vec3 n, std::span<Vdl> vdls)

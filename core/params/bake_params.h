@@ -46,6 +46,7 @@ struct BakeParams {
     int octreeDetail = 2;
     float gridShift = 0.0f;
     int vdlCount = 4;
+    float vdlTolerance = 0.0f;
     VdlForm vdlForm = VdlForm::corrected;
     OctreeShow octreeShow = OctreeShow::lights;
     OctreeValues octreeValues = OctreeValues::exact;
@@ -133,6 +134,8 @@ inline constexpr std::array kParams{
               "direct: density estimation at every point. christensen: kept at every 4th photon, the nearest answers; fast, in patches."},
     ParamSpec{"vdl.count", "Lights per leaf (k)", "", 1, 8, 1, kForOctree, Stage::fit, &BakeParams::vdlCount, {},
               "Virtual directional lights per leaf; each adds a texture read per pixel. Brightness does not depend on it."},
+    ParamSpec{"vdl.tolerance", "Light tolerance", "fraction", 0, 1, 0.01, kForOctree, Stage::fit, &BakeParams::vdlTolerance, {},
+              "Above 0: as few of the k lights as keep the leaf's light, on normals up to 72 degrees off, within this share. 0: k everywhere."},
     ParamSpec{"vdl.form", "Light form", "", 0, 1, 1, kForOctree, Stage::fit, &BakeParams::vdlForm, kVdlFormNames,
               "corrected: vector sum divided by the photon's cosine. paper: as printed in 2007, too dark; for comparison."},
     ParamSpec{"octree.show", "Shown of the octree", "", 0, 1, 1, kForOctree, Stage::show, &BakeParams::octreeShow, kOctreeShowNames,

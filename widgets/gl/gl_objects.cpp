@@ -45,6 +45,10 @@ GlProgram::~GlProgram()
 void GlProgram::use() const { gl_->glUseProgram(id_); }
 GLint GlProgram::at(const char* name) const { return gl_->glGetUniformLocation(id_, name); }
 void GlProgram::set(const char* name, int value) const { gl_->glUniform1i(at(name), value); }
+void GlProgram::set(const char* name, std::span<const int> values) const
+{
+    gl_->glUniform1iv(at(name), static_cast<GLsizei>(values.size()), values.data());
+}
 void GlProgram::set(const char* name, float value) const { gl_->glUniform1f(at(name), value); }
 void GlProgram::set(const char* name, glm::vec2 value) const { gl_->glUniform2f(at(name), value.x, value.y); }
 void GlProgram::set(const char* name, glm::vec3 value) const { gl_->glUniform3f(at(name), value.x, value.y, value.z); }

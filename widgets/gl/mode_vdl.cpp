@@ -32,7 +32,7 @@ void ModeVdl::draw(const ModeFrame& frame)
     program_.setTexture("normals", 5, GL_TEXTURE_2D, textures_->normals.id());
     program_.set("depth", octree_->depth);
     program_.set("deepest", octree_->deepest);
-    program_.set("vdlCount", octree_->vdlCount);
+    program_.set("classEnds", std::span<const int>(octree_->classEnds));
     program_.set("hasDirections", octree_->hasDirections ? 1 : 0);
     program_.set("vdlWidth", octree_->vdlWidth);
     program_.set("normalWidth", octree_->normalWidth);
