@@ -81,7 +81,7 @@ private Q_SLOTS:
             QCOMPARE(s.isKept, isShared || s.stage == "lamps");
             paid += s.isKept ? 0 : 1;
         }
-        QCOMPARE(paid, 4); // shoot, tree, gather of the one depth, its deeper leaves
+        QCOMPARE(paid, 3); // shoot, tree, gather of the one depth
     }
 
     void errorComesOutAsForetold()

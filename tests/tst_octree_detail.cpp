@@ -285,6 +285,54 @@ private Q_SLOTS:
         QVERIFY(sameBits(file->octree->detail(0), octree_->detail(0)));
     }
 
+    void fewerLevelsCanBeTaken()
+    {
+        QCOMPARE(octree_->withDetail(5)->deeper().size(), octree_->deeper().size());
+        QCOMPARE(octree_->withDetail(1)->deeper().size(), std::size_t(1));
+        const auto plain = octree_->withDetail(0);
+        QVERIFY(plain->deeper().empty() && makeGpuOctree(*plain));
+        QCOMPARE(plain->layers()[0].get(), octree_->layers()[0].get());
+    }
+
+    /// A seal tells damage, not intent: a file may be made so that its parts contradict each other.
+    void filesThatContradictThemselvesAreRefused()
+    {
+        const auto scene = share(twoLamps());
+        const auto both = bakeOctree(scene, ringParams()).octree();
+        QVERIFY(both && !both->detail(0).empty());
+        BakeInfo info;
+        info.params = ringParams();
+        info.sceneHash = sceneHash(*scene);
+        info.isa = "avx2", info.program = "test";
+        const auto refused = [&](const LampDetail& second) {
+            const LightOctree octree(
+                both->geometryShared(), both->layers(), both->form(), both->mix(), both->show(),
+                {std::make_shared<LampDetail>(both->detail(0)), std::make_shared<LampDetail>(second)});
+            const auto bytes = bakeBytes(octree, info, *scene);
+            return bytes && !bakeFromBytes(*bytes, *scene);
+        };
+        QVERIFY(!refused(both->detail(0))); // a lamp like the other is no contradiction
+        const auto level = both->detail(0)[0];
+        auto geometry = std::make_shared<OctreeGeometry>(*level.geometry);
+        auto layer = std::make_shared<VdlLayer>(*level.layer);
+        // the first leaf with one entry more
+        geometry->entries.insert(geometry->entries.begin(), geometry->entries.front());
+        for (std::size_t i = 1; i < geometry->firstEntry.size(); ++i) ++geometry->firstEntry[i];
+        layer->vdls.insert(layer->vdls.begin(), std::size_t(layer->count), layer->vdls.front());
+        layer->scalar.insert(layer->scalar.begin(), layer->scalar.front());
+        layer->noise.insert(layer->noise.begin(), layer->noise.front());
+        QVERIFY(refused({{geometry, layer}}));
+        // a leaf below none: the first of all, in a cell without surface
+        std::uint64_t parent = 0;
+        while (std::ranges::binary_search(both->geometry().cells, parent)) ++parent;
+        geometry = std::make_shared<OctreeGeometry>(*level.geometry);
+        const std::uint32_t entries = geometry->firstEntry[1];
+        geometry->cells = {parent << 3};
+        geometry->firstEntry = {0, entries};
+        geometry->entries.resize(entries);
+        QVERIFY(refused({{geometry, level.layer}}));
+    }
+
     void picksFindThem()
     {
         const UnionLevel& deepest = octree_->deeper().back();

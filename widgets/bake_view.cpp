@@ -1,8 +1,37 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "widgets/bake_view.h"
 #include "core/compare/field_noise.h"
+#include "core/octree/detail_union.h"
 
 namespace lightloom {
+
+namespace {
+
+struct Textures {
+    Result<GpuOctree> lights, colours;
+    QString remark; ///< if the deepest leaves were left out
+};
+
+/// The octree as textures; without its deepest leaves where these are too many.
+Textures texturesOf(std::shared_ptr<const LightOctree> octree)
+{
+    const std::size_t all = octree->deeper().size();
+    while (true) {
+        Result<GpuOctree> lights = makeGpuOctree(*octree);
+        Result<GpuOctree> colours = lights ? makeGpuOctree(*octree->showing(OctreeShow::colour)) : lights;
+        const std::size_t levels = octree->deeper().size();
+        if (colours || levels == 0) {
+            QString remark;
+            if (levels < all)
+                remark = QStringLiteral("Leaves deeper than %1 are too many for the viewport, which shows those above.")
+                             .arg(octree->geometry().depth + static_cast<int>(levels));
+            return {std::move(lights), std::move(colours), remark};
+        }
+        octree = octree->withDetail(levels - 1);
+    }
+}
+
+} // namespace
 
 BakeView withMix(BakeView view, const Mix& mix, std::uint64_t mixSerial)
 {
@@ -16,10 +45,10 @@ BakeView withMix(BakeView view, const Mix& mix, std::uint64_t mixSerial)
                            .arg(QString::fromStdString(std::string(view.snapshot.field->method())));
         return view;
     }
-    const auto colours = octree->showing(OctreeShow::colour);
-    view.colours = colours;
-    Result<GpuOctree> gpu = makeGpuOctree(*octree);
-    Result<GpuOctree> gpuOfColours = gpu ? makeGpuOctree(*colours) : gpu;
+    view.colours = octree->showing(OctreeShow::colour);
+    Textures textures = texturesOf(octree);
+    Result<GpuOctree>& gpu = textures.lights;
+    Result<GpuOctree>& gpuOfColours = textures.colours;
     if (!gpuOfColours) {
         view.gpu.reset();
         view.gpuOfColours.reset();
@@ -30,7 +59,7 @@ BakeView withMix(BakeView view, const Mix& mix, std::uint64_t mixSerial)
     view.entries = gpu->entryCount;
     view.gpu = std::make_shared<const GpuOctree>(std::move(*gpu));
     view.gpuOfColours = std::make_shared<const GpuOctree>(std::move(*gpuOfColours));
-    view.problem.clear();
+    view.problem = std::move(textures.remark);
     return view;
 }
 

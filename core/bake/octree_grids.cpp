@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/bake/bake_grids.h"
+#include "core/octree/octree_build.h"
 #include "core/trace/cell_clip.h"
 #include <algorithm>
+#include <array>
 #include <fmt/format.h>
+#include <unordered_map>
 
 namespace lightloom {
 namespace {
@@ -263,15 +266,48 @@ void storeOctree(const LightOctree& octree, const Scene& scene, VdbFile& file)
 
 namespace {
 
+constexpr int kMostDeeper = 3; ///< levels, as octree.detail allows
+
 std::shared_ptr<const LampDetail> readDetail(const VdbFile& file, int depth, const std::string& group, int number,
                                              float tolerance)
 {
     auto detail = std::make_shared<LampDetail>();
     for (int d = depth + 1; file.contains(prefixOf(d, group) + normalName(0)); ++d) {
+        if (d > depth + kMostDeeper) throw std::runtime_error("leaves that are split too often");
         const Reader reader(file, d, prefixOf(d, group));
         detail->push_back({reader.geometry(), reader.layer(kDeeper, number, tolerance)});
     }
     return detail;
+}
+
+void checkLeaves(const OctreeGeometry& geometry)
+{
+    for (std::size_t i = 0; i < geometry.cells.size(); ++i) {
+        if (geometry.firstEntry[i + 1] - geometry.firstEntry[i] > kMostEntries)
+            throw std::runtime_error("a leaf with more orientations than there can be");
+    }
+}
+
+/// A file's seal tells damage, not intent: what the union of all lamps' leaves takes for granted is checked here.
+void checkTogether(const OctreeGeometry& base, const std::vector<std::shared_ptr<const LampDetail>>& details)
+{
+    checkLeaves(base);
+    std::array<std::unordered_map<std::uint64_t, std::uint32_t>, kMostDeeper> entries; // of each cell, by level
+    for (const auto& detail : details) {
+        const OctreeGeometry* above = &base;
+        for (std::size_t level = 0; detail && level < detail->size(); ++level) {
+            const OctreeGeometry& g = *(*detail)[level].geometry;
+            checkLeaves(g);
+            for (std::size_t i = 0; i < g.cells.size(); ++i) {
+                if (!std::ranges::binary_search(above->cells, g.cells[i] >> 3))
+                    throw std::runtime_error("a deeper leaf below none");
+                const std::uint32_t count = g.firstEntry[i + 1] - g.firstEntry[i];
+                if (entries[level].try_emplace(g.cells[i], count).first->second != count)
+                    throw std::runtime_error("lamps that disagree about a leaf");
+            }
+            above = &g;
+        }
+    }
 }
 
 } // namespace
@@ -289,6 +325,7 @@ std::shared_ptr<const LightOctree> readOctree(const VdbFile& file, const Scene& 
         layers.push_back(isOn[g] ? reader.layer(group, number, params.vdlTolerance) : nullptr);
         details.push_back(isOn[g] ? readDetail(file, depth, group, number, params.vdlTolerance) : nullptr);
     }
+    checkTogether(*reader.geometry(), details);
     return std::make_shared<LightOctree>(reader.geometry(), std::move(layers), params.vdlForm, Mix{},
                                          OctreeShow::lights, std::move(details));
 }

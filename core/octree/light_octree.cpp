@@ -172,6 +172,18 @@ std::shared_ptr<const LightOctree> LightOctree::showing(OctreeShow show) const
     return std::shared_ptr<const LightOctree>(new LightOctree(*this, mix_, show));
 }
 
+std::shared_ptr<const LightOctree> LightOctree::withDetail(std::size_t levels) const
+{
+    std::vector<std::shared_ptr<const LampDetail>> kept;
+    for (const auto& detail : details_) {
+        if (detail && detail->size() > levels)
+            kept.push_back(std::make_shared<LampDetail>(detail->begin(), detail->begin() + std::ptrdiff_t(levels)));
+        else
+            kept.push_back(detail);
+    }
+    return std::make_shared<LightOctree>(geometry_, layers_, form_, mix_, show_, std::move(kept));
+}
+
 namespace {
 
 std::size_t bytesOf(const OctreeGeometry& geometry)

@@ -91,6 +91,7 @@ public:
     [[nodiscard]] std::size_t memoryBytes() const override;
 
     [[nodiscard]] const OctreeGeometry& geometry() const { return *geometry_; }
+    [[nodiscard]] const std::shared_ptr<const OctreeGeometry>& geometryShared() const { return geometry_; }
     [[nodiscard]] const std::vector<std::shared_ptr<const VdlLayer>>& layers() const { return layers_; }
     /// By layer; an empty one where none of the lamp's cells is split.
     [[nodiscard]] const LampDetail& detail(std::size_t layer) const;
@@ -102,6 +103,8 @@ public:
     [[nodiscard]] OctreeShow show() const { return show_; }
     /// The same layers and mix, shown otherwise.
     [[nodiscard]] std::shared_ptr<const LightOctree> showing(OctreeShow show) const;
+    /// The same with at most the first `levels` of deeper leaves.
+    [[nodiscard]] std::shared_ptr<const LightOctree> withDetail(std::size_t levels) const;
     /// An entry of the geometry (level 0), or of deeper()[level - 1].
     struct At {
         std::size_t entry = 0, level = 0;
