@@ -76,6 +76,37 @@ std::shared_ptr<const Scene> closedRooms()
     return share(builder.finish());
 }
 
+/// Two rooms of 4 x 1.5 x 4 m that no light joins, on one floor of 10 cm triangles that goes through under the wall,
+/// with a lamp in each.
+std::shared_ptr<const Scene> roomsOnOneFloor(const std::string& firstGroup, const std::string& secondGroup)
+{
+    SceneBuilder builder("rooms on one floor");
+    const int grey = builder.addMaterial("grey", glm::vec3(0.6f));
+    CellPlan plan;
+    plan.xs = {0.0f, 4.0f, 4.2f, 8.2f};
+    plan.ys = {-0.1f, 1.5f};
+    plan.zs = {0.0f, 4.0f};
+    plan.isAir = [](glm::vec3 p) { return p.x < 4.0f || p.x > 4.2f; };
+    plan.materialOf = [=](glm::vec3, glm::vec3) { return grey; };
+    builder.add("Rooms", cellShell(plan));
+    Mesh floor;
+    constexpr std::uint32_t kWide = 84, kDeep = 42;
+    for (std::uint32_t z = 0; z <= kDeep; ++z) {
+        for (std::uint32_t x = 0; x <= kWide; ++x) {
+            floor.positions.emplace_back(0.1f * static_cast<float>(x) - 0.1f, 0.0f,
+                                         0.1f * static_cast<float>(z) - 0.1f);
+            if (x == kWide || z == kDeep) continue;
+            const std::uint32_t at = z * (kWide + 1) + x, below = at + kWide + 1;
+            floor.triangles.emplace_back(at, below, at + 1);
+            floor.triangles.emplace_back(at + 1, below, below + 1);
+        }
+    }
+    builder.add("Floor", std::move(floor), grey);
+    builder.addPoint("First", {1.0f, 1.2f, 1.0f}, glm::vec3(100.0f), firstGroup);
+    builder.addPoint("Second", {6.2f, 1.0f, 3.0f}, glm::vec3(60.0f), secondGroup);
+    return share(builder.finish());
+}
+
 std::shared_ptr<const LightReach> reachOf(const std::shared_ptr<const Scene>& scene)
 {
     const auto rays = *RayScene::build(scene);
@@ -238,6 +269,45 @@ private Q_SLOTS:
         QCOMPARE(c.counters.photonsShot, std::uint64_t(0)); // undo: all of it is there
         QCOMPARE(c.counters.gathers, std::uint64_t(0));
         QVERIFY(c.octree()->layers() == a.octree()->layers());
+    }
+
+    /// What the rooms share is one element, which each reaches; the group must find the other room all the same.
+    void aGroupReachesBothRoomsThatShareAFloor()
+    {
+        const auto joint = reachOf(roomsOnOneFloor("both", "both"));
+        const auto apart = reachOf(roomsOnOneFloor("first", "second"));
+        const double rooms = 2.0 * (16.0 + 4.0 * 6.0) + 8.4 * 4.2; // walls and ceilings, and all of the floor's top
+        // elements of the walls that the floor cuts count whole
+        QVERIFY2(std::abs(apart->area() - rooms) < 4.0, qPrintable(QString::number(apart->area())));
+        QVERIFY2(areAlike(*joint, *apart), qPrintable(QString("%1 m2 for %2").arg(joint->area()).arg(apart->area())));
+    }
+
+    /// The key of a sun's photons knows its own group alone.
+    void photonsOfASunDoNotDependOnOtherSuns()
+    {
+        const auto hall = [](float others) {
+            SceneBuilder builder("hall");
+            const int grey = builder.addMaterial("grey", glm::vec3(0.6f));
+            builder.add("Floor", boxMesh({-5.0f, -0.1f, -5.0f}, {5.0f, 0.0f, 5.0f}), grey);
+            builder.add("Roof/1", boxMesh({-5.0f, 4.0f, -5.0f}, {-0.5f, 4.1f, 5.0f}), grey);
+            builder.add("Roof/2", boxMesh({0.5f, 4.0f, -5.0f}, {5.0f, 4.1f, 5.0f}), grey);
+            builder.addDirectional("Sun", {0.1f, -1.0f, 0.0f}, glm::vec3(100.0f));
+            for (int i = 0; i < 5; ++i) {
+                builder.addDirectional("Other/" + std::to_string(i), {0.0f, -1.0f, 0.2f * static_cast<float>(i)},
+                                       glm::vec3(others + static_cast<float>(i)));
+            }
+            return share(builder.finish());
+        };
+        const auto dim = hall(1.0f), strong = hall(1'000.0f);
+        const int group = dim->lights[0].group;
+        QVERIFY(lampHash(*dim, group) == lampHash(*strong, group));
+        const LightSampler byDim(*RayScene::build(dim)), byStrong(*RayScene::build(strong));
+        for (std::uint64_t i = 0; i < 200; ++i) {
+            Rng one(1, 2, i), two(1, 2, i);
+            EmittedPhoton a, b;
+            QVERIFY(byDim.emit(group, one, a) && byStrong.emit(group, two, b));
+            QVERIFY(a.position == b.position && a.travel == b.travel && a.flux == b.flux);
+        }
     }
 
     void aRoughPictureKeepsTheOthersLayers()

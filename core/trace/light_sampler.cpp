@@ -7,6 +7,7 @@
 #include "core/trace/sun_aim.h"
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 
 namespace lightloom {
@@ -15,7 +16,8 @@ namespace {
 constexpr double kPiD = std::numbers::pi;
 /// Share of a group's photons dealt out evenly over its emitters, the rest by flux: the floor for dim lamps.
 constexpr double kEvenShare = 0.1;
-/// Suns whose photons are aimed, the strongest: aiming takes some 10 ms each, and it cannot be stopped.
+/// Suns whose photons are aimed, the strongest of each group: aiming takes some 10 ms each, and it cannot be stopped.
+/// Other groups' suns have no say: photons are kept by what their own group is.
 constexpr std::size_t kMostAims = 4;
 /// Texture lookups spent on the mean of one emitter: about .1 s.
 constexpr double kMostLookups = 4e6;
@@ -221,17 +223,20 @@ void LightSampler::State::aim(const State* earlier)
         }
         return nullptr;
     };
-    std::vector<std::size_t> suns;
-    for (std::size_t e = 0; e < emitters.size(); ++e) {
-        if (emitters[e].kind == Emitter::Kind::directional && luminous(flux[e]) > 0.0) suns.push_back(e);
-    }
-    std::ranges::stable_sort(suns, [&](std::size_t a, std::size_t b) { return luminous(flux[a]) > luminous(flux[b]); });
-    suns.resize(std::min(suns.size(), kMostAims));
-    for (const std::size_t e : suns) {
-        if (const auto* aim = alike(e))
-            aims[e] = *aim;
-        else
-            aims[e].emplace(*rays, light(emitters[e]).travel, centre, radius);
+    for (const Dealer& group : groups) {
+        std::vector<std::size_t> suns;
+        for (const int i : group.emitters) {
+            const auto e = static_cast<std::size_t>(i);
+            if (emitters[e].kind == Emitter::Kind::directional && luminous(flux[e]) > 0.0) suns.push_back(e);
+        }
+        std::ranges::stable_sort(suns, std::greater<>(), [&](std::size_t e) { return luminous(flux[e]); });
+        suns.resize(std::min(suns.size(), kMostAims));
+        for (const std::size_t e : suns) {
+            if (const auto* aim = alike(e))
+                aims[e] = *aim;
+            else
+                aims[e].emplace(*rays, light(emitters[e]).travel, centre, radius);
+        }
     }
 }
 

@@ -14,7 +14,7 @@ constexpr std::uint32_t kPhotons = 512, kBounces = 16; ///< that find out which 
 constexpr std::uint32_t kOutsidePhotons = 32'768;      ///< that light what lies in no space
 constexpr std::size_t kBlock = 64;
 constexpr std::size_t kTries = 32;       ///< lines of sight between a seed and what a lamp lights
-constexpr std::size_t kMemberTries = 64; ///< between a seed and a space
+constexpr std::size_t kMemberTries = 64; ///< between a point and a space
 constexpr std::size_t kFewPart = 64;     ///< one in so many photons outside all spaces is chance: a gap at an edge
 constexpr float kFar = std::numeric_limits<float>::infinity();
 
@@ -43,11 +43,15 @@ struct LightSpaces::Lit {
 struct LightSpaces::Space {
     std::unique_ptr<const Flooded> flooded;
     std::vector<std::uint8_t> hasSeed; // by seed
-    [[nodiscard]] bool holds(const OpenPoint& point) const { return flooded->isReached[point.element] != 0; }
-    /// Whether light that fell on the first of the points and went on to the others is in this space.
-    [[nodiscard]] bool joins(const std::vector<OpenPoint>& wander) const
+    /// Elements alone do not tell: a floor that two rooms stand on may be one.
+    [[nodiscard]] bool holds(const RayScene& rays, const OpenPoint& point, Rng& rng) const
     {
-        return std::ranges::any_of(wander, [&](const OpenPoint& p) { return holds(p); });
+        return flooded->isReached[point.element] != 0 && flooded->points.isSeenFrom(rays, point, kMemberTries, rng);
+    }
+    /// Whether light that fell on the first of the points and went on to the others is in this space.
+    [[nodiscard]] bool joins(const RayScene& rays, const std::vector<OpenPoint>& wander, Rng rng) const
+    {
+        return std::ranges::any_of(wander, [&](const OpenPoint& p) { return holds(rays, p, rng); });
     }
 };
 
@@ -158,8 +162,7 @@ const LightSpaces::Space* LightSpaces::flooded(int seed, Workers& workers, const
     made->hasSeed.resize(seeds_.size());
     for (std::size_t i = 0; i < seeds_.size(); ++i) {
         Rng rng(0, hashName("seed in space"), i);
-        made->hasSeed[i] =
-            made->holds(seeds_[i]) && made->flooded->points.isSeenFrom(*rays_, seeds_[i], kMemberTries, rng);
+        made->hasSeed[i] = made->holds(*rays_, seeds_[i], rng);
     }
     made->hasSeed[static_cast<std::size_t>(seed)] = 1;
     kept = std::move(made);
@@ -204,7 +207,7 @@ std::shared_ptr<const GroupReach> LightSpaces::ofGroup(const Scene& scene, const
         reach->spaces.push_back(*space);
         Lit left; // what does not lie in it
         for (std::size_t i = 0; i < lit.hits.size(); ++i) {
-            if (spaces_.at(*space)->joins(lit.wanders[i])) continue;
+            if (spaces_.at(*space)->joins(*rays_, lit.wanders[i], Rng(0, hashName("light in space"), i))) continue;
             left.hits.push_back(lit.hits[i]);
             left.wanders.push_back(std::move(lit.wanders[i]));
         }
