@@ -13,6 +13,9 @@
 #include "window_helpers.h"
 #include <QApplication>
 #include <QDoubleSpinBox>
+#include <QMessageBox>
+#include <QPushButton>
+#include <QTimer>
 #include <QToolButton>
 #include <cmath>
 
@@ -55,6 +58,11 @@ class GuiLampsTest : public QObject {
     {
         const auto at = desk_->placeOfHandle(which);
         return at ? at->toPoint() : QPoint(-1, -1);
+    }
+    void sendMove(QPointF at, Qt::MouseButtons buttons)
+    {
+        QMouseEvent move(QEvent::MouseMove, at, viewport_->mapToGlobal(at), Qt::NoButton, buttons, {});
+        QCoreApplication::sendEvent(viewport_, &move);
     }
     [[nodiscard]] bool bakes(const std::function<void()>& edit) const
     {
@@ -202,17 +210,59 @@ private Q_SLOTS:
         const PunctualLight was = lamp();
         const QPoint from = handle(LampHandle::x);
         QTest::mousePress(viewport_, Qt::LeftButton, {}, from);
-        for (const int step : {15, 30, 45}) {
-            const QPointF at(from + QPoint(step, 5));
-            QMouseEvent move(QEvent::MouseMove, at, viewport_->mapToGlobal(at), Qt::LeftButton, Qt::LeftButton, {});
-            QCoreApplication::sendEvent(viewport_, &move);
-        }
+        for (const int step : {15, 30, 45}) sendMove(from + QPoint(step, 5), Qt::LeftButton);
         QVERIFY(desk_->isDragging() && lamp().position != was.position);
         QTest::keyClick(viewport_, Qt::Key_Escape);
         QVERIFY(!desk_->isDragging() && lamp().position == was.position);
         QTest::mouseRelease(viewport_, Qt::LeftButton, {}, from + QPoint(45, 5));
         QVERIFY(lamp().position == was.position && !window_->isWindowModified());
         QVERIFY(!actionNamed(*window_, "Undo")->text().contains("moving"));
+        QVERIFY(QTest::qWaitFor([&] { return !window_->isBaking(); }, kPatience));
+    }
+
+    void nothingElseHappensDuringADrag()
+    {
+        const PunctualLight was = lamp();
+        const glm::vec3 eye = viewport_->camera().eye();
+        const QString step = actionNamed(*window_, "Undo")->text();
+        const QPoint from = handle(LampHandle::x);
+        QTest::mousePress(viewport_, Qt::LeftButton, {}, from);
+        sendMove(from + QPoint(30, 5), Qt::LeftButton);
+        const glm::vec3 at = lamp().position;
+        QVERIFY(desk_->isDragging() && at != was.position);
+        const QPointF here(from + QPoint(30, 5));
+        QWheelEvent wheel(here, viewport_->mapToGlobal(here), {}, {0, 240}, Qt::LeftButton, {}, Qt::NoScrollPhase,
+                          false);
+        QCoreApplication::sendEvent(viewport_, &wheel);
+        QTest::mousePress(viewport_, Qt::RightButton, {}, here.toPoint());
+        QTest::keyPress(viewport_, Qt::Key_W);
+        QTest::qWait(120); // some steps of a walk
+        QTest::keyRelease(viewport_, Qt::Key_W);
+        QTest::mouseRelease(viewport_, Qt::RightButton, {}, here.toPoint());
+        QVERIFY(viewport_->camera().eye() == eye);
+        QTest::keyClick(viewport_, Qt::Key_Z, Qt::ControlModifier);
+        QVERIFY(desk_->isDragging() && lamp().position == at);
+        QCOMPARE(actionNamed(*window_, "Undo")->text(), step);
+        // the button came up where nobody told the window: the lamp stays where it was last
+        sendMove(from + QPoint(90, 5), Qt::NoButton);
+        QVERIFY(!desk_->isDragging() && lamp().position == at);
+        QVERIFY(actionNamed(*window_, "Undo")->text().contains("moving"));
+        QVERIFY(bakes([&] { actionNamed(*window_, "Undo")->trigger(); }));
+        QVERIFY(lamp().position == was.position);
+        QTest::mouseRelease(viewport_, Qt::LeftButton, {}, {5, 5});
+    }
+
+    void theSecondPressOfADoubleClickTakesHold()
+    {
+        const glm::vec3 eye = viewport_->camera().eye();
+        const QPointF at(handle(LampHandle::x));
+        QMouseEvent again(QEvent::MouseButtonDblClick, at, viewport_->mapToGlobal(at), Qt::LeftButton, Qt::LeftButton,
+                          {});
+        QCoreApplication::sendEvent(viewport_, &again);
+        QVERIFY(desk_->isDragging());
+        QTest::keyClick(viewport_, Qt::Key_Escape);
+        QTest::mouseRelease(viewport_, Qt::LeftButton, {}, at.toPoint());
+        QVERIFY(!desk_->isDragging() && viewport_->camera().eye() == eye);
         QVERIFY(QTest::qWaitFor([&] { return !window_->isBaking(); }, kPatience));
     }
 
@@ -272,6 +322,38 @@ private Q_SLOTS:
         QTest::qWait(500);
         QVERIFY(window_->isWindowModified()); // nothing was lost, and nothing is claimed
         QVERIFY(bakes([&] { actionNamed(*window_, "Redo")->trigger(); }));
+    }
+
+    void editsMadeWhileASceneIsReadAreNotLost()
+    {
+        QVERIFY(!window_->isWindowModified());
+        QMessageBox::StandardButton answer = QMessageBox::Cancel;
+        int asked = 0;
+        QTimer asking; // answers what the window asks
+        connect(&asking, &QTimer::timeout, this, [&] {
+            auto* box = qobject_cast<QMessageBox*>(QApplication::activeModalWidget());
+            if (box == nullptr) return;
+            ++asked;
+            box->button(answer)->click();
+        });
+        asking.start(20);
+        QSignalSpy opened(window_.get(), &MainWindow::sceneOpened);
+        window_->openScene(own_.file()); // nothing to lose yet
+        QTest::mouseClick(viewport_, Qt::LeftButton, {}, desk_->placeOfLamp(0)->toPoint());
+        auto* x = window_->sceneDock().editor().findChild<QDoubleSpinBox*>("lampX");
+        x->setValue(x->value() + 0.1);
+        const glm::vec3 moved = lamp().position;
+        QVERIFY(QTest::qWaitFor([&] { return asked > 0 || opened.count() > 0; }, kPatience));
+        QTest::qWait(100);
+        QCOMPARE(opened.count(), 0);
+        QVERIFY(lamp().position == moved && window_->isWindowModified());
+        answer = QMessageBox::Discard; // known when it is asked for: said once, and not asked again
+        asked = 0;
+        window_->openScene(own_.file());
+        QVERIFY(opened.wait(kPatience));
+        QCOMPARE(asked, 1);
+        QVERIFY(lamp().position != moved && !window_->isWindowModified());
+        QVERIFY(QTest::qWaitFor([&] { return !window_->isBaking(); }, kPatience));
     }
 };
 

@@ -32,10 +32,7 @@ void LampDesk::setScene(std::shared_ptr<const Scene> scene)
     held_ = near_ = LampHandle::none;
     before_.reset();
     scene_ = std::move(scene);
-    outlines_.clear();
-    for (int g = 0; scene_ && g < static_cast<int>(scene_->groups.size()); ++g) {
-        outlines_.push_back(outlineOf(*scene_, g));
-    }
+    outlines_ = scene_ ? outlinesOf(*scene_) : std::vector<std::vector<HandleLine>>();
     take(-1, -1);
 }
 
@@ -147,7 +144,9 @@ std::optional<QPointF> LampDesk::placeOfLamp(int light) const
 bool LampDesk::press(const QMouseEvent& event)
 {
     pressed_ = event.position();
-    if (event.button() != Qt::LeftButton || event.modifiers() != Qt::NoModifier) return false;
+    if (isDragging()) return true; // no other button moves the eye meanwhile
+    // while the right one is down, the eye walks
+    if (event.buttons() != Qt::LeftButton || event.modifiers() != Qt::NoModifier) return false;
     held_ = handleAt(pressed_);
     if (held_ == LampHandle::none) return false; // the camera's, or a click
     before_ = lamp();
@@ -160,7 +159,8 @@ bool LampDesk::press(const QMouseEvent& event)
 
 bool LampDesk::move(const QMouseEvent& event)
 {
-    if (held_ != LampHandle::none) {
+    if (isDragging() && !event.buttons().testFlag(Qt::LeftButton)) drop(); // let go where nobody told us
+    if (isDragging()) {
         Q_EMIT dragged(light_,
                        lightloom::dragged(*before_, held_, anchorThen_, sizeThen_, from_, sightAt(event.position())));
         return true;
@@ -176,13 +176,9 @@ bool LampDesk::move(const QMouseEvent& event)
 
 bool LampDesk::release(const QMouseEvent& event)
 {
-    if (event.button() != Qt::LeftButton) return false;
-    if (held_ != LampHandle::none) {
-        held_ = LampHandle::none;
-        const PunctualLight before = *before_;
-        before_.reset();
-        draw();
-        Q_EMIT dropped(light_, before);
+    if (event.button() != Qt::LeftButton) return isDragging();
+    if (isDragging()) {
+        drop();
         return true;
     }
     if (event.modifiers() != Qt::NoModifier || (event.position() - pressed_).manhattanLength() >= kClickPixels) {
@@ -206,6 +202,15 @@ bool LampDesk::release(const QMouseEvent& event)
     return false;
 }
 
+void LampDesk::drop()
+{
+    held_ = LampHandle::none;
+    const PunctualLight before = *before_;
+    before_.reset();
+    draw();
+    Q_EMIT dropped(light_, before);
+}
+
 void LampDesk::cancel()
 {
     if (!isDragging()) return;
@@ -221,19 +226,21 @@ bool LampDesk::eventFilter(QObject* watched, QEvent* event)
     if (watched != viewport_ || !scene_ || !tool_->isChecked()) return false;
     switch (event->type()) {
     case QEvent::MouseButtonPress:
+    case QEvent::MouseButtonDblClick: // the second press in quick succession
         return press(*static_cast<QMouseEvent*>(event));
     case QEvent::MouseMove:
         return move(*static_cast<QMouseEvent*>(event));
     case QEvent::MouseButtonRelease:
         return release(*static_cast<QMouseEvent*>(event));
+    case QEvent::Wheel:
+        return isDragging();
     case QEvent::ShortcutOverride:
-    case QEvent::KeyPress: {
-        const bool isMine = isDragging() && static_cast<QKeyEvent*>(event)->key() == Qt::Key_Escape;
-        if (!isMine) return false;
-        event->accept(); // else the bake would be cancelled
-        if (event->type() == QEvent::KeyPress) cancel();
+    case QEvent::KeyPress:
+        // whatever a key does otherwise, undo or cancel the bake or move the eye: not in the middle of a drag
+        if (!isDragging()) return false;
+        event->accept();
+        if (event->type() == QEvent::KeyPress && static_cast<QKeyEvent*>(event)->key() == Qt::Key_Escape) cancel();
         return true;
-    }
     default:
         return false;
     }

@@ -15,7 +15,8 @@ class Viewport;
 
 /// Lamps in the picture, while the tool is on: marked, picked by a click, dragged by handles along axes, across the
 /// line of sight, and turned where they have a direction. Tells every step of a drag and its end; whoever owns the
-/// scene hands in what it made of it. Escape takes a drag back.
+/// scene hands in what it made of it. Escape takes a drag back; other keys, buttons and the wheel do nothing during
+/// one.
 class LampDesk final : public QObject {
     Q_OBJECT
 public:
@@ -47,6 +48,7 @@ private:
     bool press(const QMouseEvent& event);
     bool move(const QMouseEvent& event);
     bool release(const QMouseEvent& event);
+    void drop();
     void cancel();
     void take(int group, int light);
     void draw();

@@ -14,6 +14,8 @@ namespace lightloom {
 namespace {
 
 constexpr double kFarthest = 1e7, kBrightest = 1e9; ///< metres; candela or lux
+constexpr float kWidestInner = 0.999f;              ///< of the outer cone, as the reader has it
+constexpr float kRightAngle = 1.5707963f;           ///< the widest cone that a file may have
 
 /// Degrees around +Y from +Z towards +X, and up from the horizon.
 glm::dvec2 anglesOf(glm::vec3 travel)
@@ -99,6 +101,7 @@ QDoubleSpinBox* LampEditor::addField(const QString& name, const QString& label, 
 
 void LampEditor::setLamp(const std::shared_ptr<const Scene>& scene, int group, int light)
 {
+    if (!scene || !scene_ || !scene->meshes.isSharedWith(scene_->meshes)) tints_.clear(); // another scene
     scene_ = scene;
     light_ = scene ? light : -1;
     form_->setVisible(light_ >= 0);
@@ -124,8 +127,8 @@ void LampEditor::setLamp(const std::shared_ptr<const Scene>& scene, int group, i
     intensity_->setValue(static_cast<double>(luminance(lamp.intensity)));
     inner_->setValue(glm::degrees(static_cast<double>(lamp.innerCone)));
     outer_->setValue(glm::degrees(static_cast<double>(lamp.outerCone)));
-    if (luminance(lamp.intensity) > 0.0f) tint_ = lamp.intensity / luminance(lamp.intensity);
-    showColour(tint_);
+    if (luminance(lamp.intensity) > 0.0f) tints_[light_] = lamp.intensity / luminance(lamp.intensity);
+    showColour();
     filling_ = false;
 }
 
@@ -134,44 +137,54 @@ void LampEditor::tell(const QString& what)
 {
     if (light_ < 0) return;
     PunctualLight lamp = scene_->lights[static_cast<std::size_t>(light_)];
-    const QObject* field = sender();
+    const auto* field = static_cast<QDoubleSpinBox*>(sender());
+    const double value = field->value();
     if (field == x_ || field == y_ || field == z_) {
         glm::dvec3 place = scene_->toFile(lamp.position);
-        (field == x_ ? place.x : field == y_ ? place.y : place.z) = static_cast<QDoubleSpinBox*>(sender())->value();
+        (field == x_ ? place.x : field == y_ ? place.y : place.z) = value;
         lamp.position = scene_->toScene(place);
     } else if (field == turn_ || field == tilt_) {
-        lamp.travel = travelOf(turn_->value(), tilt_->value());
+        glm::dvec2 angles = anglesOf(lamp.travel);
+        (field == turn_ ? angles.x : angles.y) = value;
+        lamp.travel = travelOf(angles.x, angles.y);
     } else if (field == inner_ || field == outer_) {
         // one cone pushes the other along
-        lamp.innerCone = static_cast<float>(glm::radians(inner_->value()));
-        lamp.outerCone = static_cast<float>(glm::radians(outer_->value()));
-        if (field == inner_) lamp.outerCone = std::max(lamp.outerCone, lamp.innerCone);
-        if (field == outer_) lamp.innerCone = std::min(lamp.innerCone, lamp.outerCone);
+        const auto cone = static_cast<float>(glm::radians(value));
+        if (field == inner_) lamp.outerCone = std::min(std::max(lamp.outerCone, cone / kWidestInner), kRightAngle);
+        if (field == outer_) lamp.outerCone = cone;
+        lamp.innerCone = std::min(field == inner_ ? cone : lamp.innerCone, kWidestInner * lamp.outerCone);
     } else {
-        lamp.intensity = tint_ * static_cast<float>(intensity_->value());
+        lamp.intensity = tint() * static_cast<float>(value);
     }
     Q_EMIT edited(light_, lamp, what);
 }
 
 void LampEditor::chooseColour()
 {
-    auto* dialog = new QColorDialog(shownColour(tint_), this);
+    auto* dialog = new QColorDialog(shownColour(tint()), this);
     dialog->setAttribute(Qt::WA_DeleteOnClose);
     connect(dialog, &QColorDialog::colorSelected, this, [this, light = light_](const QColor& colour) {
         if (light != light_ || light_ < 0) return; // another lamp was chosen meanwhile
         const glm::vec3 linear(toLinear(colour.redF()), toLinear(colour.greenF()), toLinear(colour.blueF()));
         if (!(luminance(linear) > 0.0f)) return; // black is no tint: the dimmer switches off
         PunctualLight lamp = scene_->lights[static_cast<std::size_t>(light_)];
-        lamp.intensity = linear * (luminance(lamp.intensity) / luminance(linear));
+        tints_[light] = linear / luminance(linear);
+        lamp.intensity = tints_[light] * luminance(lamp.intensity);
         Q_EMIT edited(light_, lamp, tr("colour"));
     });
     dialog->open();
 }
 
-void LampEditor::showColour(glm::vec3 intensity)
+glm::vec3 LampEditor::tint() const
+{
+    const auto known = tints_.find(light_);
+    return known != tints_.end() ? known->second : glm::vec3(1.0f);
+}
+
+void LampEditor::showColour()
 {
     QPixmap swatch(24, 14);
-    swatch.fill(shownColour(intensity));
+    swatch.fill(shownColour(tint()));
     colour_->setIcon(QIcon(swatch));
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 #include "core/scene/scene.h"
 #include <QWidget>
+#include <map>
 #include <memory>
 
 class QDoubleSpinBox;
@@ -28,7 +29,8 @@ private:
                              const QString& unit, const QString& tip);
     void tell(const QString& what);
     void chooseColour();
-    void showColour(glm::vec3 intensity);
+    void showColour();
+    [[nodiscard]] glm::vec3 tint() const; ///< of the chosen lamp; white if nobody knows
 
     std::shared_ptr<const Scene> scene_;
     int light_ = -1;
@@ -38,7 +40,7 @@ private:
     QFormLayout* rows_;
     QDoubleSpinBox *x_, *y_, *z_, *turn_, *tilt_, *intensity_, *inner_, *outer_;
     QPushButton* colour_;
-    glm::vec3 tint_{1.0f}; ///< of luminance 1
+    std::map<int, glm::vec3> tints_; ///< of luminance 1, by light: one that is dimmed to nothing keeps its own
 };
 
 } // namespace lightloom

@@ -12,7 +12,9 @@ namespace {
 
 constexpr float kArrowHead = 0.16f, kSquare = 0.09f, kKnob = 0.06f; ///< of a handle's length
 constexpr float kAimLength = 1.6f;                                  ///< of an axis arrow's
-constexpr std::size_t kMostTriangles = 20'000;                      ///< that edges are looked for in
+constexpr std::size_t kMostTriangles = 20'000; ///< of all glowing meshes together, that edges are looked for in
+constexpr std::size_t kMostRim = 2'000;        ///< edges of one mesh
+constexpr std::size_t kMostLines = 8'000;      ///< of all outlines together: each is drawn with every step of a drag
 
 glm::vec3 axisOf(LampHandle handle)
 {
@@ -196,8 +198,8 @@ namespace {
 
 using Corner = std::tuple<float, float, float>;
 
-/// Edges that only one triangle of the placed mesh has.
-std::vector<HandleLine> rimOf(const Mesh& mesh, const glm::mat4& toWorld)
+/// Edges that only one triangle of the mesh has, in its own space.
+std::vector<HandleLine> rimOf(const Mesh& mesh)
 {
     std::map<std::pair<Corner, Corner>, int> uses;
     const auto corner = [&](std::uint32_t v) {
@@ -206,42 +208,49 @@ std::vector<HandleLine> rimOf(const Mesh& mesh, const glm::mat4& toWorld)
     for (const glm::uvec3 t : mesh.triangles) {
         for (int i = 0; i < 3; ++i) ++uses[std::minmax(corner(t[i]), corner(t[(i + 1) % 3]))];
     }
-    const auto placed = [&](const Corner& c) {
-        return glm::vec3(toWorld * glm::vec4(std::get<0>(c), std::get<1>(c), std::get<2>(c), 1.0f));
-    };
+    const auto point = [](const Corner& c) { return glm::vec3(std::get<0>(c), std::get<1>(c), std::get<2>(c)); };
     std::vector<HandleLine> out;
     for (const auto& [edge, count] : uses) {
-        if (count == 1) out.push_back({LampHandle::none, placed(edge.first), placed(edge.second)});
+        if (count == 1) out.push_back({LampHandle::none, point(edge.first), point(edge.second)});
     }
     return out;
 }
 
-std::vector<HandleLine> boxOf(const Mesh& mesh, const glm::mat4& toWorld)
+std::vector<HandleLine> boxOf(const Mesh& mesh)
 {
     glm::vec3 low(mesh.positions.front()), high(low);
     for (const glm::vec3 p : mesh.positions) low = glm::min(low, p), high = glm::max(high, p);
     std::vector<HandleLine> out;
     addCube(LampHandle::none, glm::vec3(0.0f), 1.0f, out);
     for (HandleLine& line : out) {
-        for (glm::vec3* p : {&line.a, &line.b}) {
-            *p = glm::vec3(toWorld * glm::vec4(0.5f * (low + high) + 0.5f * *p * (high - low), 1.0f));
-        }
+        for (glm::vec3* p : {&line.a, &line.b}) *p = 0.5f * (low + high) + 0.5f * *p * (high - low);
     }
     return out;
 }
 
 } // namespace
 
-std::vector<HandleLine> outlineOf(const Scene& scene, int group)
+std::vector<std::vector<HandleLine>> outlinesOf(const Scene& scene)
 {
-    std::vector<HandleLine> out;
+    std::vector<std::vector<HandleLine>> out(scene.groups.size());
+    std::map<int, std::vector<HandleLine>> known; // by mesh, in its own space
+    std::size_t triangles = 0, drawn = 0;
     for (const Instance& instance : scene.instances) {
         const Mesh& mesh = scene.meshes[static_cast<std::size_t>(instance.mesh)];
-        if (instance.group != group || mesh.triangles.empty()) continue;
-        std::vector<HandleLine> lines;
-        if (mesh.triangles.size() <= kMostTriangles) lines = rimOf(mesh, instance.toWorld);
-        if (lines.empty()) lines = boxOf(mesh, instance.toWorld);
-        out.insert(out.end(), lines.begin(), lines.end());
+        if (instance.group < 0 || mesh.triangles.empty()) continue;
+        const auto [entry, isNew] = known.try_emplace(instance.mesh);
+        std::vector<HandleLine>& lines = entry->second;
+        if (isNew && triangles + mesh.triangles.size() <= kMostTriangles) {
+            triangles += mesh.triangles.size();
+            lines = rimOf(mesh);
+        }
+        if (isNew && (lines.empty() || lines.size() > kMostRim)) lines = boxOf(mesh);
+        drawn += lines.size();
+        if (drawn > kMostLines) return out;
+        const auto place = [&](glm::vec3 p) { return glm::vec3(instance.toWorld * glm::vec4(p, 1.0f)); };
+        for (const HandleLine& line : lines) {
+            out[static_cast<std::size_t>(instance.group)].push_back({line.handle, place(line.a), place(line.b)});
+        }
     }
     return out;
 }

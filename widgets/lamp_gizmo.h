@@ -41,8 +41,9 @@ struct HandleLine {
 [[nodiscard]] std::vector<Mark> markerOf(const PunctualLight& lamp, glm::vec3 anchor, float size, glm::vec4 colour);
 /// Handles as marks; `held` stands out.
 [[nodiscard]] std::vector<Mark> marksOf(const std::vector<HandleLine>& handles, LampHandle held);
-/// Edges of the glowing surfaces of a light group that belong to one triangle only; their bounding boxes where they are
-/// closed or have very many triangles.
-[[nodiscard]] std::vector<HandleLine> outlineOf(const Scene& scene, int group);
+/// By light group, edges of its glowing surfaces that belong to one triangle only; their bounding boxes where they are
+/// closed or have very many triangles. At most 8,000 lines: in scenes with very many glowing surfaces the last have
+/// none.
+[[nodiscard]] std::vector<std::vector<HandleLine>> outlinesOf(const Scene& scene);
 
 } // namespace lightloom

@@ -107,7 +107,7 @@ bool MainWindow::isPaused() const { return bridge_->isPaused(); }
 
 void MainWindow::connectWorkers()
 {
-    connect(loader_, &SceneLoader::loaded, this, &MainWindow::setScene);
+    connect(loader_, &SceneLoader::loaded, this, &MainWindow::sceneRead);
     connect(loader_, &SceneLoader::failed, this, [this](const QString& message) {
         messages_->show(message, tr("Open another..."), [this] { chooseFile(); });
         statusStage_->clear();
@@ -164,8 +164,18 @@ void MainWindow::connectWorkers()
 void MainWindow::openScene(const QString& file)
 {
     if (!mayDropEdits()) return;
+    givenUp_ = data_ ? data_->scene->lights : std::vector<PunctualLight>();
     statusStage_->setText(tr("Reading %1").arg(QFileInfo(file).fileName()));
     loader_->open(file);
+}
+
+void MainWindow::sceneRead(const std::shared_ptr<const DrawData>& opened, const QString& file)
+{
+    if (mayDropLaterEdits()) {
+        setScene(opened, file);
+    } else {
+        statusStage_->setText(tr("%1 was not opened").arg(QFileInfo(file).fileName()));
+    }
 }
 
 void MainWindow::setScene(std::shared_ptr<const DrawData> opened, const QString& file)

@@ -96,6 +96,7 @@ protected:
 private:
     // main_window.cpp: what happens
     void connectWorkers();
+    void sceneRead(const std::shared_ptr<const DrawData>& opened, const QString& file);
     void setScene(std::shared_ptr<const DrawData> opened, const QString& file);
     void showNotes();
     void startBake(bool urgent);
@@ -146,6 +147,7 @@ private:
     void saveScene();
     void sceneSaved(const QString& file, const std::shared_ptr<const Scene>& scene, const QString& problem);
     [[nodiscard]] bool mayDropEdits();
+    [[nodiscard]] bool mayDropLaterEdits(); ///< those since a scene was asked for that has been read now
     // main_window_memory.cpp: what it remembers
     void setTheme(Theme theme);
     void restore();
@@ -161,6 +163,7 @@ private:
     std::vector<LampSetting> lamps_;         ///< as the newest step on the undo stack has them
     BakeParams params_;                      ///< likewise
     std::vector<PunctualLight> savedLights_; ///< as the file has them
+    std::vector<PunctualLight> givenUp_;     ///< as they were when another scene was asked for
     int chosenGroup_ = -1, chosenLight_ = -1;
     QThreadPool savePool_;
     Mix bakedMix_; ///< of the newest job: groups that are off in it have no layer

@@ -181,4 +181,9 @@ bool MainWindow::mayDropEdits()
     return answer == QMessageBox::Discard;
 }
 
+bool MainWindow::mayDropLaterEdits()
+{
+    return !data_ || std::ranges::equal(data_->scene->lights, givenUp_, isAlike) || mayDropEdits();
+}
+
 } // namespace lightloom

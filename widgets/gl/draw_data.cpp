@@ -77,9 +77,7 @@ std::shared_ptr<const DrawData> withLamps(const DrawData& data, std::shared_ptr<
 {
     auto edited = std::make_shared<DrawData>(data);
     edited->scene = std::move(scene);
-    edited->lights.clear();
-    edited->lampMessage.clear();
-    addPreviewLights(*edited);
+    movePreviewLights(*edited);
     return edited;
 }
 

@@ -35,16 +35,19 @@ struct DrawData {
     std::shared_ptr<const Scene> scene;
     SharedList<DrawVertex> vertices;
     SharedList<std::uint32_t> indices;
-    std::vector<Range> meshes; ///< as Scene::meshes
-    std::vector<PreviewLight> lights;
-    std::string lampMessage; ///< what the preview of direct light leaves out; empty: nothing
+    std::vector<Range> meshes;        ///< as Scene::meshes
+    std::vector<PreviewLight> lights; ///< punctual lamps, then patches of surfaces
+    int shiningSurfaces = 0;          ///< that have patches
+    int patchesEach = 0;              ///< that a surface may have
+    std::string lampMessage;          ///< what the preview of direct light leaves out; empty: nothing
 };
 
 /// Meshes without normals get flat ones. Shining surfaces become up to 8 patches, fewer where many lamps share the
 /// shadow maps; lamps beyond 16 are left out and named in `lampMessage`.
 [[nodiscard]] std::shared_ptr<const DrawData> makeDrawData(std::shared_ptr<const Scene> scene);
 
-/// The same for an edit of the scene's lamps: everything else is shared.
+/// The same for an edit of the scene's punctual lamps: everything else is shared, the patches of surfaces stay. Quick,
+/// but where a cone becomes so wide or narrow that the patches must share the shadow maps anew.
 [[nodiscard]] std::shared_ptr<const DrawData> withLamps(const DrawData& data, std::shared_ptr<const Scene> scene);
 
 } // namespace lightloom

@@ -175,21 +175,42 @@ private:
     double area_ = 0.0;
 };
 
+/// As many as the preview has room for.
+std::vector<PreviewLight> punctualLamps(const Scene& scene)
+{
+    std::vector<PreviewLight> lamps;
+    for (const PunctualLight& light : scene.lights) {
+        if (lamps.size() < static_cast<std::size_t>(shader::kMostLamps)) lamps.push_back(punctual(light));
+    }
+    return lamps;
+}
+
+/// How many patches each surface may have beside these lamps.
+int patchesBeside(const std::vector<PreviewLight>& lamps, int surfaces)
+{
+    if (surfaces == 0) return 0;
+    const int layers = 6 * static_cast<int>(std::ranges::count_if(lamps, &PreviewLight::inCube));
+    return std::clamp((kMostCubeLayers - layers) / (6 * surfaces), 1, shader::kMostPerSurface);
+}
+
 } // namespace
+
+void movePreviewLights(DrawData& data)
+{
+    const std::vector<PreviewLight> lamps = punctualLamps(*data.scene);
+    if (patchesBeside(lamps, data.shiningSurfaces) == data.patchesEach) {
+        std::ranges::copy(lamps, data.lights.begin());
+    } else {
+        addPreviewLights(data);
+    }
+}
 
 void addPreviewLights(DrawData& data)
 {
     const Scene& scene = *data.scene;
-    int lamps = 0, leftOut = 0, layers = 0;
-    for (const PunctualLight& light : scene.lights) {
-        if (lamps == shader::kMostLamps) {
-            ++leftOut;
-            continue;
-        }
-        ++lamps;
-        data.lights.push_back(punctual(light));
-        layers += data.lights.back().inCube ? 6 : 0;
-    }
+    data.lights = punctualLamps(scene);
+    data.lampMessage.clear();
+    int lamps = static_cast<int>(data.lights.size()), leftOut = static_cast<int>(scene.lights.size()) - lamps;
     std::vector<ShiningSurface> surfaces;
     std::vector<int> groups;
     for (const Instance& instance : scene.instances) {
@@ -204,12 +225,12 @@ void addPreviewLights(DrawData& data)
         surfaces.push_back(std::move(surface));
         groups.push_back(instance.group);
     }
-    if (!surfaces.empty()) {
-        const int room = (kMostCubeLayers - layers) / (6 * static_cast<int>(surfaces.size()));
-        const int each = std::clamp(room, 1, shader::kMostPerSurface);
-        // far enough off that the lamp's own triangles lie behind the shadow maps' near planes
-        const float offset = 2e-4f * scene.bounds.diagonal();
-        for (std::size_t i = 0; i < surfaces.size(); ++i) surfaces[i].addPatches(each, offset, groups[i], data.lights);
+    data.shiningSurfaces = static_cast<int>(surfaces.size());
+    data.patchesEach = patchesBeside(data.lights, data.shiningSurfaces);
+    // far enough off that the lamp's own triangles lie behind the shadow maps' near planes
+    const float offset = 2e-4f * scene.bounds.diagonal();
+    for (std::size_t i = 0; i < surfaces.size(); ++i) {
+        surfaces[i].addPatches(data.patchesEach, offset, groups[i], data.lights);
     }
     if (leftOut > 0) {
         data.lampMessage = fmt::format("The preview shows direct light of {} lamps; {} more are left out. Indirect "
