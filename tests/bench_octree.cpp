@@ -87,8 +87,10 @@ double fitTime(const Bench& b, const OctreeGeometry& geometry, const BakeParams&
     constexpr std::size_t kBlock = 64;
     Workers workers(threads);
     ThreadTimes times;
-    const auto layer = emptyLayer(geometry, 0, params);
-    const LayerFit fit(geometry, *b.map, *b.area, params, *layer);
+    BakeParams atDepth = params; // leaves below octree.depth gather otherwise
+    atDepth.octreeDepth = atDepth.octreeFirstDepth = geometry.depth;
+    const auto layer = emptyLayer(geometry, 0, atDepth);
+    const LayerFit fit(geometry, *b.map, *b.area, atDepth, *layer);
     const std::size_t count = geometry.entries.size();
     workers.run((count + kBlock - 1) / kBlock, {}, [&](std::size_t block) {
         thread_local FitScratch scratch;

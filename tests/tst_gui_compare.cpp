@@ -240,17 +240,6 @@ private Q_SLOTS:
         for (const auto& each : kinds) {
             room.press(each.key, Qt::ControlModifier);
             QVERIFY(room.waitForErrors(each.kind));
-            const ViewError& error = *room.desk().errors();
-            const QImage shown = room.grab();
-            shown.save(QDir::temp().filePath("compare-errors.png"));
-            const PixelCheck check = heatCheck(shown, error);
-            QVERIFY2(check.checked > 20'000 && check.off == 0, qPrintable(check.text()));
-            QVERIFY(room.window->legend().isVisible());
-            const QStringList ticks = room.window->legend().ticks();
-            QCOMPARE(ticks.size(), 5);
-            for (const QString& tick : ticks) QVERIFY2(tick.endsWith(each.unit), qPrintable(tick));
-            QCOMPARE(ticks.first(), each.kind == ErrorKind::difference ? "-" + ticks.last().mid(1) : "0" + each.unit);
-
             // the error, computed here by other calls
             const BakeView& view = *room.window->snapshots().shown();
             ViewJob job = room.desk().reference()->job;
@@ -261,7 +250,24 @@ private Q_SLOTS:
             const FloatImage matt = mattReflectance(*view.rays, job, workers, {});
             const auto expected = viewError(picture, *room.desk().reference()->view, each.kind, matt);
             QVERIFY(expected);
-            QVERIFY(expected->map.values == error.map.values && expected->top == error.top);
+            // what was judged while the bake's picture was still rough is replaced; on a busy machine that takes a
+            // while
+            const auto isAsExpected = [&] {
+                const auto& found = room.desk().errors();
+                return found && found->map.values == expected->map.values && found->top == expected->top;
+            };
+            QVERIFY(QTest::qWaitFor(isAsExpected, kPatience));
+            const std::shared_ptr<const ViewError> error = room.desk().errors();
+            const QImage shown = room.grab();
+            shown.save(QDir::temp().filePath("compare-errors.png"));
+            const PixelCheck check = heatCheck(shown, *error);
+            QVERIFY2(check.checked > 20'000 && check.off == 0, qPrintable(check.text()));
+            QVERIFY(room.window->legend().isVisible());
+            const QStringList ticks = room.window->legend().ticks();
+            QCOMPARE(ticks.size(), 5);
+            for (const QString& tick : ticks) QVERIFY2(tick.endsWith(each.unit), qPrintable(tick));
+            QCOMPARE(ticks.first(), each.kind == ErrorKind::difference ? "-" + ticks.last().mid(1) : "0" + each.unit);
+
             QCOMPARE(room.window->comparePanel().figure(0),
                      QString("%1 %").arg(100.0 * expected->metrics.relRmse, 0, 'f', 2));
             QVERIFY(expected->metrics.relRmse > 0.01);
