@@ -114,7 +114,8 @@ private:
     [[nodiscard]] BudgetPlan finish(const BudgetPick& best, PilotFindings found) const
     {
         BudgetPlan plan{job_.params, best, models_.floor(), size_, spent_, std::move(found.judge)};
-        plan.params.octreeDetail = 0; // the models know nothing of deeper leaves, of what they cost and of what they mend
+        // the models know nothing of deeper leaves, of what they cost and of what they mend
+        plan.params.octreeDetail = 0;
         plan.params.gatherCount = best.count;
         plan.params.photonCount = best.photons;
         if (best.depth > 0) plan.params.octreeDepth = plan.params.octreeFirstDepth = best.depth;
