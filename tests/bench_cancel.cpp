@@ -5,8 +5,8 @@
 #include "core/bake/bake_session.h"
 #include "core/octree/octree_solver.h"
 #include "core/params/param_text.h"
-#include "core/scene/sample_scenes.h"
 #include "tests/bench_clock.h"
+#include "tests/bench_scene.h"
 #include <charconv>
 #include <cstring>
 #include <fmt/format.h>
@@ -17,13 +17,6 @@
 using namespace lightloom;
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double msSince(Clock::time_point then)
-{
-    return std::chrono::duration<double, std::milli>(Clock::now() - then).count();
-}
 
 struct Taken {
     std::vector<double> wallMs, cpuMs;
@@ -82,10 +75,7 @@ void print(const std::string& scene, const std::string& stage, const Taken& take
 
 void measure(const std::string& name, const BakeParams& params, int runs)
 {
-    const std::size_t colon = name.find(':');
-    std::optional<std::uint64_t> triangles;
-    if (colon != std::string::npos) triangles = std::stoull(name.substr(colon + 1));
-    const Result<Scene> made = sampleScene(name.substr(0, colon), triangles);
+    const Result<Scene> made = benchScene(name);
     if (!made) {
         fmt::print("{}\n", made.error().message);
         return;

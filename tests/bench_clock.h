@@ -1,11 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <algorithm>
+#include <chrono>
 #include <ctime>
 #include <vector>
 
 /// What benches measure with.
 namespace lightloom {
+
+using Clock = std::chrono::steady_clock;
+
+inline double msSince(Clock::time_point then)
+{
+    return std::chrono::duration<double, std::milli>(Clock::now() - then).count();
+}
 
 enum class CpuOf { process, thread };
 

@@ -20,13 +20,6 @@ using namespace lightloom;
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-double msSince(Clock::time_point then)
-{
-    return std::chrono::duration<double, std::milli>(Clock::now() - then).count();
-}
-
 /// The times of one edit, from posting it.
 struct Followed {
     double firstMs = 0, firstCpuMs = 0, settledMs = 0, settledCpuMs = 0;

@@ -5,8 +5,8 @@
 //   bench_octree [SCENE[:TRIANGLES] ...]
 #include "core/octree/layer_fit.h"
 #include "core/octree/octree_build.h"
-#include "core/scene/sample_scenes.h"
 #include "tests/bench_clock.h"
+#include "tests/bench_scene.h"
 #include <cmath>
 #include <fmt/format.h>
 #include <map>
@@ -168,10 +168,7 @@ int main(int argc, char** argv)
     if (names.empty()) names = {"cornell", "figure:70000"};
     std::vector<Bench> benches;
     for (const std::string& name : names) {
-        const std::size_t colon = name.find(':');
-        std::optional<std::uint64_t> triangles;
-        if (colon != std::string::npos) triangles = std::stoull(name.substr(colon + 1));
-        const Result<Scene> made = sampleScene(name.substr(0, colon), triangles);
+        const Result<Scene> made = benchScene(name);
         if (!made) return fmt::print("{}\n", made.error().message), 2;
         Bench b;
         b.scene = std::make_shared<const Scene>(*made);

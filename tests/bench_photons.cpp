@@ -3,10 +3,10 @@
 //   photon tracing against bare rtcIntersect1 on the same rays;  kd-tree gather against nanoflann on the same queries.
 //   bench_photons [SCENE ...]
 #include "core/photonmap/photon_map.h"
-#include "core/scene/sample_scenes.h"
 #include "core/trace/light_reach.h"
 #include "core/trace/material.h"
 #include "tests/bench_clock.h"
+#include "tests/bench_scene.h"
 #include <algorithm>
 #include <embree3/rtcore.h>
 #include <fmt/format.h>
@@ -176,10 +176,7 @@ int main(int argc, char** argv)
     std::shared_ptr<const PhotonPaths> first;
     std::vector<SurfacePoint> queries;
     for (const std::string& name : names) {
-        const std::size_t colon = name.find(':');
-        std::optional<std::uint64_t> triangles;
-        if (colon != std::string::npos) triangles = std::stoull(name.substr(colon + 1));
-        const Result<Scene> made = sampleScene(name.substr(0, colon), triangles);
+        const Result<Scene> made = benchScene(name);
         if (!made) return fmt::print("{}\n", made.error().message), 2;
         const auto rays = RayScene::build(std::make_shared<const Scene>(*made));
         if (!rays) return fmt::print("{}\n", rays.error().message), 1;
