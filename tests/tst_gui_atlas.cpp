@@ -184,6 +184,44 @@ private Q_SLOTS:
         QVERIFY2(quantile(errors, 0.999) <= 0.3 * mean, qPrintable(QString::number(quantile(errors, 0.999) / mean)));
     }
 
+    /// Without directions a metal cannot shine; it is lit like paint of its colour, as in a colour octree.
+    void roughMetalsAreLit()
+    {
+        SceneBuilder builder("metal");
+        builder.add("Room", boxMesh(glm::vec3(-2), glm::vec3(2), Facing::in),
+                    builder.addMaterial("grey", glm::vec3(0.6f)));
+        Material metal;
+        metal.metallic = 1.0f;
+        metal.roughness = 0.6f;
+        metal.baseColor = glm::vec4(0.8f, 0.6f, 0.3f, 1.0f);
+        builder.add("Block", boxMesh({-0.8f, -2.0f, -0.8f}, {0.8f, -0.6f, 0.8f}), builder.addMaterial(metal));
+        builder.addPoint("Lamp", {1.5f, 1.6f, 1.5f}, glm::vec3(100.0f));
+        builder.addCamera("Front", {0.5f, 0.2f, 1.9f}, {0, -1.2f, 0}, 70.0f);
+        Shown shown(gl_, builder.finish(), 256);
+        const auto colours = makeGpuOctree(*shown.octree->showing(OctreeShow::colour));
+        QVERIFY(colours && shown.renderer->setColours(std::make_shared<GpuOctree>(*colours)));
+        FrameView frame = viewOf(*shown.u.lit.scene, 0, kSize);
+        frame.indirectOnly = true;
+        const auto lightIn = [&](ViewMode mode) {
+            frame.mode = mode;
+            if (!shown.renderer->draw(frame, 0, kSize, gl_.target(), kSize)) qFatal("not drawn");
+            const auto pixels = shown.renderer->readBack();
+            double sum = 0.0;
+            int count = 0;
+            for (std::size_t i = 0; i < pixels.light.size(); ++i) {
+                const glm::vec3 p = xyz(pixels.position[i]);
+                if (pixels.position[i].w < 0.5f || glm::max(std::abs(p.x), std::abs(p.z)) > 0.81f) continue;
+                if (p.y > -0.59f || p.y < -1.99f) continue;
+                sum += static_cast<double>(luminance(xyz(pixels.light[i])));
+                ++count;
+            }
+            return count > 1000 ? sum / count : -1.0;
+        };
+        const double atlas = lightIn(ViewMode::atlas), painted = lightIn(ViewMode::colours);
+        QVERIFY2(painted > 0.0 && std::abs(atlas / painted - 1.0) < 0.05,
+                 qPrintable(QString("%1 cd/m2 for %2").arg(atlas).arg(painted)));
+    }
+
     void windowUnwrapsWhenAsked()
     {
         const auto window = makeWindow();

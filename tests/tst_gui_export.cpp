@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Claim: File > Export writes what the window shows, in its lamps' state, while the window goes on answering; it says
-// what it would replace, can be cancelled, and then leaves no file.
+// what it would replace, can be cancelled, and then leaves no file. What is not finished says so, in the dialog and in
+// every file, with the parameters that it was really made with.
 #include "core/base/image_file.h"
 #include "core/scene/gltf_reader.h"
 #include "widgets/export_dialog.h"
@@ -19,6 +20,8 @@
 #include <QPushButton>
 #include <QSlider>
 #include <QTimer>
+#include <QToolButton>
+#include <map>
 
 using namespace lightloom;
 using namespace lightloom::test;
@@ -163,6 +166,54 @@ private Q_SLOTS:
         QVERIFY(QDir(desk.scene.path("out")).isEmpty());
         QCOMPARE(desk.find<QPushButton>("export.cancel")->text(), QString("Close"));
         QVERIFY(desk.find<QPushButton>("export.go")->isEnabled());
+    }
+
+    void saysWhatWasReallyBaked()
+    {
+        const OwnScene scene("cornell");
+        const auto window = makeWindow();
+        BakeParams params = smallBake();
+        params.photonCount = 400'000;
+        params.octreeDepth = 6;
+        window->setParams(params);
+        QSignalSpy shown(window.get(), &MainWindow::lightShown), ended(window.get(), &MainWindow::bakeEnded);
+        window->openScene(scene.file());
+        QVERIFY(shown.wait(kPatience));
+        QTest::keyClick(window->viewport(), Qt::Key_Space);
+        QVERIFY(window->isPaused());
+        window->snapshots().findChildren<QToolButton*>().first()->click();
+        QVERIFY(window->snapshots().shown()->snapshot.isRough);
+        actionNamed(*window, "Export")->trigger();
+        ExportDialog& dialog = window->exportDialog();
+        const auto* light = dialog.findChild<QLabel*>("export.light");
+        QVERIFY2(light->text().contains("25000 photons") && light->text().contains("depth 4 of 6"),
+                 qPrintable(light->text()));
+        dialog.findChild<QLineEdit*>("export.place")->setText(scene.path("rough"));
+        dialog.findChild<QComboBox*>("export.size")->setCurrentIndex(0);
+        dialog.findChild<QCheckBox*>("export.volume")->setChecked(true);
+        QSignalSpy done(&dialog, &ExportDialog::exported);
+        QTest::mouseClick(dialog.findChild<QPushButton*>("export.go"), Qt::LeftButton);
+        QVERIFY(done.wait(kPatience));
+        const auto read = readExr(scene.path("rough.exr").toStdString());
+        QVERIFY2(read, read ? "" : read.error().message.c_str());
+        std::map<std::string, std::string> notes(read->notes.begin(), read->notes.end());
+        QCOMPARE(notes["lightloom.photons"], "25000");
+        QCOMPARE(notes["lightloom.gather.count"], "25");
+        QCOMPARE(notes["lightloom.octree.depth"], "4");
+        QCOMPARE(notes["lightloom.octree.detail"], "0");
+        QVERIFY2(notes["lightloom.incomplete"].starts_with("rough: 25000 photons"),
+                 notes["lightloom.incomplete"].c_str());
+        for (const char* name : {"rough.glb", "rough.vdb"}) {
+            QFile file(scene.path(name));
+            QVERIFY(file.open(QIODevice::ReadOnly));
+            const QByteArray bytes = file.readAll();
+            QVERIFY2(bytes.contains("incomplete") && bytes.contains("rough: 25000 photons"), name);
+        }
+
+        window->snapshots().findChildren<QToolButton*>().last()->click(); // follow the bake
+        actionNamed(*window, "Pause")->trigger();
+        QVERIFY(ended.wait(kPatience));
+        QTRY_COMPARE_WITH_TIMEOUT(light->text(), QString("Depth 6, finished"), kPatience);
     }
 
     void saysWhatCannotBe()

@@ -180,7 +180,7 @@ private Q_SLOTS:
             QCOMPARE(after->layers()[g] == before->layers()[g], g != group);
         }
         const QString did = window_->bakePanel().countersText();
-        QVERIFY2(did.contains("2 baked, 1 kept"), qPrintable(did));
+        QVERIFY2(did.contains("2 on, photons of 1 kept"), qPrintable(did));
         // the lamp is nearer to the table now: more light goes up from there to the ceiling
         const glm::vec3 ceiling = window_->scene()->toScene({2.0, 2.8, 2.0}), down(0.0f, -1.0f, 0.0f);
         QVERIFY(after->irradiance(ceiling, down).y != before->irradiance(ceiling, down).y);

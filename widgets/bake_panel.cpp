@@ -126,7 +126,7 @@ void BakePanel::end(const QString& outcome, const WorkCounters& c)
     light_->setText(audit(c.ledger));
     QString text = tr("Photons: %1 shot, %2 stored, %3 kept from before<br>Rays: %4 traced")
                        .arg(count(c.photonsShot), count(c.photonsStored), count(c.photonsReused), count(c.raysTraced));
-    text += tr("<br>Lamps: %1 baked, %2 kept, %3 off").arg(c.groupsBaked).arg(c.groupsReused).arg(c.groupsOff);
+    text += tr("<br>Lamps: %1 on, photons of %2 kept, %3 off").arg(c.groupsBaked).arg(c.groupsReused).arg(c.groupsOff);
     if (c.pathsCutOff > 0) text += tr("<br>%1 paths were cut off at the longest allowed").arg(count(c.pathsCutOff));
     if (c.degenerateEntries > 0) text += tr("<br>%1 entries had no area to gather on").arg(count(c.degenerateEntries));
     counters_->setText(text);

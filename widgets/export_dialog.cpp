@@ -83,7 +83,13 @@ ExportDialog::ExportDialog(QWidget* parent, std::function<std::optional<ExportOr
     form->addRow(where, places);
     form->addRow(tr("&Atlas"), size_);
     form->addRow(QString(), sceneUv_);
-    form->addRow(tr("Light"), direct_);
+    about_ = textLines();
+    about_->setObjectName(QStringLiteral("export.light"));
+    about_->setWordWrap(true);
+    auto* light = new QVBoxLayout;
+    light->addWidget(about_);
+    light->addWidget(direct_);
+    form->addRow(tr("Light"), light);
     auto* column = new QVBoxLayout(this);
     column->addLayout(form);
     column->addWidget(state_);
@@ -113,7 +119,17 @@ ExportDialog::ExportDialog(QWidget* parent, std::function<std::optional<ExportOr
 void ExportDialog::setName(const QString& pathWithoutEnding)
 {
     if (!place_->isModified()) place_->setText(pathWithoutEnding);
+    lightChanged();
     if (!isRunning_) showState();
+}
+
+void ExportDialog::lightChanged()
+{
+    const std::optional<ExportOrder> order = order_();
+    if (!order) return about_->setText(tr("No light yet"));
+    const std::string& less = order->info.incomplete;
+    about_->setText(less.empty() ? tr("Depth %1, finished").arg(order->view.snapshot.level)
+                                 : tr("As shown now, which is %1").arg(QString::fromStdString(less)));
 }
 
 ExportRequest ExportDialog::request() const

@@ -21,6 +21,7 @@ public:
     ExportDialog(QWidget* parent, std::function<std::optional<ExportOrder>()> order);
 
     void setName(const QString& pathWithoutEnding); ///< where files go, unless the user has chosen
+    void lightChanged();                            ///< `order` would give another one
 
 Q_SIGNALS:
     void exported(QStringList files); ///< all of them were written
@@ -37,7 +38,7 @@ private:
     QCheckBox *lightmap_, *gltf_, *volume_, *direct_, *sceneUv_;
     QComboBox* size_;
     QLineEdit* place_;
-    QLabel* state_;
+    QLabel *state_, *about_; ///< about: the light
     QProgressBar* progress_;
     QPushButton *go_, *cancel_;
     bool isRunning_ = false;

@@ -39,6 +39,7 @@ void LampDesk::setScene(std::shared_ptr<const Scene> scene)
 void LampDesk::setLamps(std::shared_ptr<const Scene> scene)
 {
     scene_ = std::move(scene);
+    if (!isDragging()) near_ = cursor_ && tool_->isChecked() ? handleAt(*cursor_) : LampHandle::none;
     draw();
 }
 
@@ -141,6 +142,20 @@ std::optional<QPointF> LampDesk::placeOfLamp(int light) const
     return viewport_->placeIn(lampPlace(scene_->lights[static_cast<std::size_t>(light)], anchor()));
 }
 
+/// Whether a line to the right crosses the rim an odd number of times. Not where a part of it is behind the eye.
+bool LampDesk::isWithin(QPointF position, const std::vector<HandleLine>& rim) const
+{
+    bool isOdd = false;
+    for (const HandleLine& line : rim) {
+        const auto a = viewport_->placeIn(line.a), b = viewport_->placeIn(line.b);
+        if (!a || !b) return false;
+        if ((a->y() > position.y()) == (b->y() > position.y())) continue;
+        const double x = a->x() + (position.y() - a->y()) * (b->x() - a->x()) / (b->y() - a->y());
+        isOdd = isOdd != (x > position.x());
+    }
+    return isOdd;
+}
+
 bool LampDesk::press(const QMouseEvent& event)
 {
     pressed_ = event.position();
@@ -159,6 +174,7 @@ bool LampDesk::press(const QMouseEvent& event)
 
 bool LampDesk::move(const QMouseEvent& event)
 {
+    cursor_ = event.position();
     if (isDragging() && !event.buttons().testFlag(Qt::LeftButton)) drop(); // let go where nobody told us
     if (isDragging()) {
         Q_EMIT dragged(light_,
@@ -197,6 +213,9 @@ bool LampDesk::release(const QMouseEvent& event)
             const double pixels = pixelsTo(event.position(), line);
             if (pixels < nearest) nearest = pixels, light = -1, group = static_cast<int>(g);
         }
+    }
+    for (std::size_t g = 0; g < outlines_.size() && group < 0; ++g) {
+        if (isWithin(event.position(), outlines_[g])) group = static_cast<int>(g);
     }
     if (group >= 0) take(group, light);
     return false;

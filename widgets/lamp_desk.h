@@ -58,6 +58,7 @@ private:
     [[nodiscard]] std::vector<HandleLine> handles() const;
     [[nodiscard]] double pixelsTo(QPointF position, const HandleLine& line) const;
     [[nodiscard]] LampHandle handleAt(QPointF position) const;
+    [[nodiscard]] bool isWithin(QPointF position, const std::vector<HandleLine>& rim) const;
     [[nodiscard]] const PunctualLight& lamp() const { return scene_->lights[static_cast<std::size_t>(light_)]; }
 
     Viewport* viewport_;
@@ -71,6 +72,7 @@ private:
     glm::vec3 anchorThen_{0.0f};
     float sizeThen_ = 1.0f;
     QPointF pressed_;
+    std::optional<QPointF> cursor_;
 };
 
 } // namespace lightloom

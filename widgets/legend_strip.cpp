@@ -23,6 +23,7 @@ QColor shownColour(glm::vec3 linear)
 LegendStrip::LegendStrip(QWidget* parent) : QWidget(parent)
 {
     setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Fixed);
+    setMinimumWidth(fontMetrics().horizontalAdvance(QStringLiteral("-100%  0%  100%  Error of the indirect light")));
     setAccessibleName(tr("Legend of the error"));
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "widgets/main_window.h"
+#include "core/octree/octree_solver.h"
 #include "core/params/param_text.h"
 #include "widgets/atlas_desk.h"
 #include "widgets/bake_bridge.h"
@@ -20,7 +21,6 @@
 #include "widgets/viewport.h"
 #include <QAction>
 #include <QCloseEvent>
-#include <QComboBox>
 #include <QCoreApplication>
 #include <QDir>
 #include <QDoubleSpinBox>
@@ -35,6 +35,7 @@
 #include <QStackedWidget>
 #include <QUndoStack>
 #include <QUrl>
+#include <fmt/format.h>
 
 namespace lightloom {
 
@@ -58,6 +59,29 @@ QString sceneIn(const QMimeData* mime)
 constexpr int kParamEdits = 1'000'000; ///< numbers of undo steps that may be joined: lamps first, then parameters
 
 QString fromView(std::string_view s) { return QString::fromUtf8(s.data(), static_cast<qsizetype>(s.size())); }
+
+/// What the snapshot was made with; a coarse one may be shown.
+BakeParams bakedParams(const BakeView& view)
+{
+    if (view.snapshot.isFinal) return view.params;
+    BakeParams params = view.snapshot.isRough ? roughParams(view.params) : view.params;
+    params.octreeDepth = view.snapshot.level;
+    params.octreeDetail = 0; // these leaves come last
+    return params;
+}
+
+/// In what way the snapshot is less than the bake that was asked for.
+std::string missingIn(const BakeView& view)
+{
+    if (view.snapshot.isFinal) return {};
+    const BakeParams baked = bakedParams(view);
+    std::string text = fmt::format("depth {} of {}", view.snapshot.level, view.params.octreeDepth);
+    if (view.params.octreeDetail > 0) text += ", no deeper leaves";
+    if (!view.snapshot.isRough) return text + "; the bake was not finished";
+    return fmt::format("rough: {} photons per lamp (lamps that were kept have more), K = {}, {}; the bake was not "
+                       "finished",
+                       baked.photonCount, baked.gatherCount, text);
+}
 
 QString luxText(double lux)
 {
@@ -153,11 +177,9 @@ void MainWindow::connectWorkers()
         exposure_->setValue(static_cast<double>(ev));
     });
     connect(viewport_, &Viewport::hovered, this, [this](bool isOnSurface, glm::vec3 p, glm::vec3 n) {
-        if (isOnSurface && snapshots_->shown() != nullptr) {
-            worker_->measure(asShown(*snapshots_->shown()), mix_, p, n);
-        } else {
-            showMeasurement({});
-        }
+        cursor_.reset();
+        if (isOnSurface) cursor_ = Place{p, n};
+        measure();
     });
 }
 
@@ -189,6 +211,7 @@ void MainWindow::setScene(std::shared_ptr<const DrawData> opened, const QString&
     bakePanel_->clear();
     export_->setEnabled(false);
     rowSerial_.reset();
+    cursor_.reset();
     sceneDock_->setScene(data_->scene);
     mix_ = sceneDock_->mix();
     lamps_ = sceneDock_->lampSettings();
@@ -371,12 +394,14 @@ void MainWindow::showView(const BakeView& view)
     if (viewport_ != nullptr) viewport_->setLight(view);
     judgeView();
     bakePanel_->showNoise(view);
+    exportDialog_->lightChanged();
     statusNoise_->setText(view.noise ? tr("noise %1 %").arg(100.0 * *view.noise, 0, 'f', 1) : QString());
     const double bytes = static_cast<double>(view.gpu ? view.gpu->memoryBytes() : 0);
-    statusSize_->setText(tr("d%1  %2 leaves  %3 MB")
+    statusSize_->setText(tr("d%1  %2 leaves  %3 %4")
                              .arg(view.snapshot.level)
                              .arg(QLocale().toString(static_cast<qulonglong>(view.leaves)))
-                             .arg(bytes / 1e6, 0, 'f', 1));
+                             .arg(bytes < 1e6 ? bytes / 1e3 : bytes / 1e6, 0, 'f', bytes < 1e6 ? 0 : 1)
+                             .arg(bytes < 1e6 ? tr("kB") : tr("MB")));
     statusSize_->setToolTip(tr("Light octree as shown: %1 entries, %2 MB in textures, %3 MB with all lamps' layers")
                                 .arg(QLocale().toString(static_cast<qulonglong>(view.entries)))
                                 .arg(bytes / 1e6, 0, 'f', 1)
@@ -399,6 +424,16 @@ void MainWindow::judgeView()
         atlasDesk_->setView(*view);
         pickDesk_->setView(*view);
         compareDesk_->setView(asShown(*view));
+        measure();
+    }
+}
+
+void MainWindow::measure()
+{
+    if (cursor_ && snapshots_->shown() != nullptr) {
+        worker_->measure(asShown(*snapshots_->shown()), mix_, cursor_->position, cursor_->normal);
+    } else {
+        showMeasurement({});
     }
 }
 
@@ -471,8 +506,8 @@ std::optional<ExportOrder> MainWindow::exportOrder() const
     const BakeView* view = snapshots_->shown();
     if (view == nullptr || !view->rays || view->mixSerial != mixSerial_) return {};
     ExportOrder order{*view, mix_, {}, {}};
-    order.info.params = view->params;
-    order.info.params.octreeDepth = view->snapshot.level; // a coarse one may be shown
+    order.info.params = bakedParams(*view);
+    order.info.incomplete = missingIn(*view);
     order.info.program = QCoreApplication::applicationVersion().toStdString();
     return order;
 }

@@ -13,7 +13,6 @@
 
 class QAction;
 class QActionGroup;
-class QComboBox;
 class QDoubleSpinBox;
 class QLabel;
 class QMenu;
@@ -111,6 +110,7 @@ private:
     [[nodiscard]] BakeView asShown(BakeView view) const; ///< its field as the mode shows it
     void takeView(const BakeView& view);
     void bakeFinished(quint64 serial, const QString& error, bool isCancelled, const WorkCounters& counters);
+    void measure(); ///< the light under the cursor, as it is shown now
     void showMeasurement(const Measurement& measurement);
     void chooseFile();
     void showExport();
@@ -130,6 +130,8 @@ private:
     QAction* makeAction(const QString& text, const QKeySequence& keys, const QString& tip);
     QAction* addModeAction(const QString& text, const QKeySequence& keys, ViewMode mode, const QString& tip);
     QWidget* makeModeButton(); ///< one for all that show a bake
+    QWidget* makeToneButton();
+    void addToneAction(const QString& text, const QString& brief, const QString& tip, int tone);
     // main_window_compare.cpp: what the picture is held against
     void makeCompareActions();
     void addShownAction(const QString& text, const QKeySequence& keys, const QString& tip,
@@ -175,6 +177,10 @@ private:
     BakeParams bakedParams_;
     QTimer editDelay_, lampDelay_, frameTold_;
     QElapsedTimer toldClock_; ///< since progress was shown
+    struct Place {
+        glm::vec3 position, normal;
+    };
+    std::optional<Place> cursor_; ///< on what surface it is
 
     SceneLoader* loader_;
     BakeBridge* bridge_;
@@ -199,16 +205,15 @@ private:
     SweepPanel* sweepPanel_ = nullptr;
     ExportDialog* exportDialog_ = nullptr;
     QDoubleSpinBox* exposure_ = nullptr;
-    QComboBox* tone_ = nullptr;
     QLabel *statusStage_ = nullptr, *statusLux_ = nullptr, *statusFrame_ = nullptr, *statusSize_ = nullptr,
-           *statusNoise_ = nullptr;
+           *statusNoise_ = nullptr, *statusDirect_ = nullptr;
     QMenu *recent_ = nullptr, *cameraMenu_ = nullptr, *panels_ = nullptr;
     QAction *open_ = nullptr, *reload_ = nullptr, *quit_ = nullptr, *frame_ = nullptr, *indirect_ = nullptr,
             *brighter_ = nullptr, *darker_ = nullptr, *lightTheme_ = nullptr, *start_ = nullptr, *pause_ = nullptr,
             *cancel_ = nullptr, *resetParams_ = nullptr, *shortcuts_ = nullptr, *about_ = nullptr, *undo_ = nullptr,
             *redo_ = nullptr, *swapModes_ = nullptr, *lastMode_ = nullptr, *reference_ = nullptr, *wipe_ = nullptr,
             *pick_ = nullptr, *export_ = nullptr, *lampTool_ = nullptr, *saveScene_ = nullptr;
-    QActionGroup *modes_ = nullptr, *shown_ = nullptr;
+    QActionGroup *modes_ = nullptr, *shown_ = nullptr, *tones_ = nullptr;
     QList<QAction*> bakeModes_; ///< those of `modes_` that show a bake
 };
 

@@ -13,7 +13,6 @@
 #include "widgets/viewport.h"
 #include <QAction>
 #include <QActionGroup>
-#include <QComboBox>
 #include <QDockWidget>
 #include <QDoubleSpinBox>
 #include <QHBoxLayout>
@@ -58,13 +57,6 @@ void MainWindow::buildToolbar()
     auto* space = new QWidget;
     space->setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Preferred);
     row.addWidget(space);
-    auto* preview = new QLabel(tr("direct: preview"));
-    preview->setForegroundRole(QPalette::PlaceholderText);
-    preview->setToolTip(
-        tr("Direct light in the window comes from shadow maps and sample lights. `lightloom-cli render` "
-           "traces it exactly."));
-    preview->setContentsMargins(0, 0, 10, 0);
-    row.addWidget(preview);
     exposure_ = new QDoubleSpinBox;
     exposure_->setRange(-10.0, 30.0);
     exposure_->setDecimals(1);
@@ -73,20 +65,31 @@ void MainWindow::buildToolbar()
     exposure_->setPrefix(tr("EV "));
     exposure_->setAccessibleName(tr("Exposure value at ISO 100"));
     exposure_->setToolTip(tr("Exposure value at ISO 100: one more shows half as bright. 1.2 x 2^EV cd/m² is white."));
-    tone_ = new QComboBox;
-    tone_->addItem(tr("No tone curve"), shader::kToneNone);
-    tone_->addItem(tr("Soft highlights"), shader::kToneSoft);
-    tone_->setCurrentIndex(1);
-    tone_->setAccessibleName(tr("Tone curve"));
-    tone_->setToolTip(tr("Soft highlights: straight up to 70 % of white, a shoulder above."));
     row.addWidget(exposure_);
-    row.addWidget(tone_);
+    row.addWidget(makeToneButton());
     connect(exposure_, &QDoubleSpinBox::valueChanged, this, [this](double ev) {
         if (viewport_ != nullptr) viewport_->setExposure(static_cast<float>(ev));
     });
-    connect(tone_, &QComboBox::currentIndexChanged, this, [this] {
-        if (viewport_ != nullptr) viewport_->setTone(tone_->currentData().toInt());
-    });
+}
+
+QWidget* MainWindow::makeToneButton()
+{
+    auto* button = new QToolButton;
+    auto* menu = new QMenu(button);
+    menu->addActions(tones_->actions());
+    button->setMenu(menu);
+    button->setPopupMode(QToolButton::InstantPopup);
+    button->setText(tones_->checkedAction()->iconText());
+    button->setToolTip(tr("Tone curve: how light becomes what the screen shows"));
+    button->setAccessibleName(tr("Tone curve"));
+    for (QAction* tone : tones_->actions()) {
+        connect(tone, &QAction::toggled, button, [this, button, tone](bool on) {
+            if (!on) return;
+            button->setText(tone->iconText());
+            if (viewport_ != nullptr) viewport_->setTone(tone->data().toInt());
+        });
+    }
+    return button;
 }
 
 void MainWindow::buildCentre()
@@ -116,8 +119,8 @@ void MainWindow::buildCentre()
     legend_->setFixedHeight(snapshots_->height());
     // side by side: a legend that took height would change the picture's size, and so end the reference it is for
     auto* below = new QHBoxLayout;
-    below->addWidget(snapshots_, 2);
-    below->addWidget(legend_, 3);
+    below->addWidget(snapshots_);
+    below->addWidget(legend_, 1);
     column->addLayout(below);
     startPage_ = new StartPage;
     connect(startPage_, &StartPage::openWanted, this, &MainWindow::chooseFile);
@@ -205,12 +208,17 @@ void MainWindow::buildStatus()
     statusLux_ = new QLabel;
     statusNoise_ = new QLabel;
     statusNoise_->setToolTip(tr("Noise of the indirect light, stated by the bake itself, of the mean"));
+    statusDirect_ = new QLabel(tr("direct: preview"));
+    statusDirect_->setToolTip(
+        tr("Direct light in the window comes from shadow maps and sample lights. `lightloom-cli render` traces it "
+           "exactly."));
     statusFrame_ = new QLabel;
     statusSize_ = new QLabel;
     statusFrame_->setToolTip(tr("Time of the last picture. Coarse: drawn at lower resolution while the camera moves."));
     statusStage_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred); // it gives way first
     statusBar()->addWidget(statusStage_, 1);
-    for (QLabel* label : {statusLux_, statusNoise_, statusFrame_, statusSize_}) statusBar()->addPermanentWidget(label);
+    for (QLabel* label : {statusLux_, statusNoise_, statusDirect_, statusFrame_, statusSize_})
+        statusBar()->addPermanentWidget(label);
     statusBar()->setSizeGripEnabled(false);
 }
 

@@ -4,7 +4,7 @@
 #include "widgets/start_page.h"
 #include "widgets/viewport.h"
 #include <QAction>
-#include <QComboBox>
+#include <QActionGroup>
 #include <QFileInfo>
 #include <QGuiApplication>
 #include <QMenu>
@@ -39,7 +39,7 @@ void MainWindow::restore()
     if (settings_ == nullptr) return;
     restoreGeometry(settings_->value("geometry").toByteArray()); // keeps to the screens there are today
     docks_ = settings_->value("docks").toByteArray();
-    tone_->setCurrentIndex(settings_->value("tone", 1).toInt() == 0 ? 0 : 1);
+    tones_->actions()[settings_->value("tone", 1).toInt() == 0 ? 0 : 1]->setChecked(true);
 }
 
 void MainWindow::remember()
@@ -49,7 +49,7 @@ void MainWindow::remember()
     settings_->setValue("geometry", saveGeometry());
     if (!docks_.isEmpty()) settings_->setValue("docks", docks_);
     settings_->setValue("lightTheme", lightTheme_->isChecked());
-    settings_->setValue("tone", tone_->currentIndex());
+    settings_->setValue("tone", tones_->actions().indexOf(tones_->checkedAction()));
 }
 
 void MainWindow::rememberFile(const QString& file)

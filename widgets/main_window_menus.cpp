@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How the window is put together: actions, menus, docks, bars. What they do stands in main_window.cpp.
+#include "shaders/common.h"
 #include "widgets/bake_bridge.h"
 #include "widgets/bake_panel.h"
 #include "widgets/compare_desk.h"
@@ -44,6 +45,15 @@ QAction* MainWindow::addModeAction(const QString& text, const QKeySequence& keys
     return action;
 }
 
+void MainWindow::addToneAction(const QString& text, const QString& brief, const QString& tip, int tone)
+{
+    QAction* action = makeAction(text, {}, tip);
+    action->setCheckable(true);
+    action->setIconText(brief); // the toolbar is short
+    action->setData(tone);
+    tones_->addAction(action);
+}
+
 void MainWindow::makeActions()
 {
     open_ = makeAction(tr("&Open..."), QKeySequence::Open, tr("Open a glTF scene"));
@@ -68,14 +78,14 @@ void MainWindow::makeActions()
     // 2 and 3 are kept for methods that are not here yet; what shows the same bake in other ways has Alt with it
     bakeModes_ = {addModeAction(tr("&Octree"), Qt::Key_1, ViewMode::octree,
                                 tr("Direct light and the baked indirect light, from virtual lights")),
-                  addModeAction(tr("A&tlas"), Qt::ALT | Qt::Key_3, ViewMode::atlas,
-                                tr("The octree's light kept in a lightmap: each pixel reads one texel")),
                   addModeAction(tr("&Colour octree"), Qt::ALT | Qt::Key_1, ViewMode::colours,
                                 tr("The same octree without directions: each cell keeps the sum of its light alone")),
                   addModeAction(tr("Photon &map"), Qt::ALT | Qt::Key_2, ViewMode::photonMap,
-                                tr("Irradiance kept at every 4th photon, the nearest answers; rendered bit by bit"))};
-    bakeModes_[2]->setIconText(tr("Colours")); // the toolbar is short
-    bakeModes_[3]->setIconText(tr("Photons"));
+                                tr("Irradiance kept at every 4th photon, the nearest answers; rendered bit by bit")),
+                  addModeAction(tr("A&tlas"), Qt::ALT | Qt::Key_3, ViewMode::atlas,
+                                tr("The octree's light kept in a lightmap: each pixel reads one texel"))};
+    bakeModes_[1]->setIconText(tr("Colours")); // the toolbar is short
+    bakeModes_[2]->setIconText(tr("Photons"));
     addModeAction(tr("&Reference"), Qt::Key_4, ViewMode::reference,
                   tr("The path-traced picture, as far as it has come; the octree until then"));
     addModeAction(tr("&Direct"), Qt::Key_5, ViewMode::direct, tr("Light that comes straight from the lamps (preview)"));
@@ -86,6 +96,11 @@ void MainWindow::makeActions()
     indirect_->setIconText(tr("Indirect")); // the toolbar is short
     frame_ = makeAction(tr("&Frame all"), QKeySequence(Qt::Key_F), tr("Move back until the whole scene is in view"));
     brighter_ = makeAction(tr("&Brighter"), QKeySequence(Qt::CTRL | Qt::Key_Up), tr("Expose a third of a stop more"));
+    tones_ = new QActionGroup(this);
+    addToneAction(tr("&No tone curve"), tr("Linear"), tr("Show light as it is, cut off at white"), shader::kToneNone);
+    addToneAction(tr("&Soft highlights"), tr("Soft"), tr("Straight up to 70 % of white, a shoulder above"),
+                  shader::kToneSoft);
+    tones_->actions().last()->setChecked(true);
     darker_ = makeAction(tr("D&arker"), QKeySequence(Qt::CTRL | Qt::Key_Down), tr("Expose a third of a stop less"));
     lightTheme_ = makeAction(tr("&Light theme"), {}, tr("Light greys instead of dark ones"));
     lightTheme_->setCheckable(true);
@@ -171,6 +186,7 @@ void MainWindow::buildMenus()
     cameraMenu_->setEnabled(false);
     view->addSeparator();
     view->addActions({brighter_, darker_});
+    view->addMenu(tr("T&one curve"))->addActions(tones_->actions());
     view->addSeparator();
     view->addAction(lightTheme_);
     panels_ = view->addMenu(tr("Pa&nels"));

@@ -42,6 +42,28 @@ void PickCard::setLabels(std::vector<Label> labels)
     update();
 }
 
+std::vector<QRectF> PickCard::labelPlaces() const
+{
+    const QFontMetrics metrics(font());
+    std::vector<QRectF> places;
+    std::vector<std::size_t> order(labels_.size());
+    for (std::size_t i = 0; i < labels_.size(); ++i) {
+        const QSizeF size(metrics.horizontalAdvance(labels_[i].text) + 8, metrics.height() + 2);
+        places.emplace_back(labels_[i].at - QPointF(0, 0.5 * size.height()), size);
+        order[i] = i;
+    }
+    std::ranges::sort(order, {}, [&](std::size_t i) { return places[i].top(); });
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        for (std::size_t j = 0; j < i; ++j) { // those above have their places; one push may meet the next of them
+            QRectF& place = places[order[i]];
+            if (!place.intersects(places[order[j]])) continue;
+            place.moveTop(places[order[j]].bottom() + 1);
+            j = static_cast<std::size_t>(-1);
+        }
+    }
+    return places;
+}
+
 bool PickCard::eventFilter(QObject* watched, QEvent* event)
 {
     if (event->type() == QEvent::Resize) setGeometry(parentWidget()->rect());
@@ -59,12 +81,11 @@ void PickCard::paintEvent(QPaintEvent*)
         painter.setBrush(kPaper);
         painter.drawRoundedRect(rect, 4, 4);
     };
-    for (const Label& label : labels_) {
-        const QSizeF size(metrics.horizontalAdvance(label.text) + 8, metrics.height() + 2);
-        const QRectF rect(label.at - QPointF(0, 0.5 * size.height()), size);
-        box(rect);
+    const std::vector<QRectF> places = labelPlaces();
+    for (std::size_t i = 0; i < labels_.size(); ++i) {
+        box(places[i]);
         painter.setPen(kInk);
-        painter.drawText(rect, Qt::AlignCenter, label.text);
+        painter.drawText(places[i], Qt::AlignCenter, labels_[i].text);
     }
     int width = 0;
     for (const QString& line : lines_) width = std::max(width, metrics.horizontalAdvance(line));

@@ -21,6 +21,8 @@ public:
     void setLabels(std::vector<Label> labels);
     [[nodiscard]] const QStringList& lines() const { return lines_; }
     [[nodiscard]] const std::vector<Label>& labels() const { return labels_; }
+    [[nodiscard]] std::vector<QRectF>
+    labelPlaces() const; ///< in order of `labels`; pushed down where they would overlap
 
 protected:
     bool eventFilter(QObject* watched, QEvent* event) override;

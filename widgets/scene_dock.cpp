@@ -8,6 +8,7 @@
 #include <QLocale>
 #include <QScrollArea>
 #include <QSlider>
+#include <QTimer>
 #include <QToolButton>
 #include <QVBoxLayout>
 #include <algorithm>
@@ -64,7 +65,6 @@ SceneDock::SceneDock(QWidget* parent)
     editorArea_->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
     editorArea_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Maximum);
     editorArea_->setWidget(editor_);
-    editorArea_->setMinimumHeight(2 * fontMetrics().height());
     editorArea_->hide();
     column_->addWidget(editorArea_);
     setScene(nullptr);
@@ -115,7 +115,24 @@ void SceneDock::showLamp(const std::shared_ptr<const Scene>& scene, int group, i
     for (std::size_t i = 0; i < lamps_.size(); ++i) lamps_[i].edit->setChecked(static_cast<int>(i) == group);
     editor_->setLamp(scene, group, light);
     editorArea_->setVisible(scene && group >= 0);
-    editorArea_->updateGeometry(); // rows came or went
+    shareHeight(); // rows came or went
+    if (!scene || group < 0) return;
+    const QWidget* row = lamps_[static_cast<std::size_t>(group)].edit; // in sight, once there is a layout
+    QTimer::singleShot(0, row, [this, row] { lampBox_->ensureWidgetVisible(const_cast<QWidget*>(row), 0, 40); });
+}
+
+/// The form of a lamp is worth more than the rest of a long list of lamps.
+void SceneDock::shareHeight()
+{
+    const int wanted = editor_->sizeHint().height(), least = 2 * fontMetrics().height();
+    editorArea_->setMinimumHeight(std::max(least, std::min(wanted, height() / 2)));
+    editorArea_->updateGeometry();
+}
+
+void SceneDock::resizeEvent(QResizeEvent* event)
+{
+    QWidget::resizeEvent(event);
+    shareHeight();
 }
 
 void SceneDock::addLamp(const LightGroup& group, QVBoxLayout& column)

@@ -44,6 +44,9 @@ Q_SIGNALS:
     void cameraChosen(int index);
     void lampEdited(int lamp, bool isDimmed); ///< else switched
 
+protected:
+    void resizeEvent(QResizeEvent* event) override;
+
 private:
     struct Lamp {
         QCheckBox* on;
@@ -53,12 +56,14 @@ private:
     };
     void addLamp(const LightGroup& group, QVBoxLayout& column);
 
+    void shareHeight();
+
     QListWidget* cameras_;
-    QWidget* lampBox_ = nullptr;
+    QScrollArea* lampBox_ = nullptr;
     QVBoxLayout* column_;
     QLabel* about_;
     LampEditor* editor_;
-    QScrollArea* editorArea_; ///< gives way on a small screen
+    QScrollArea* editorArea_; ///< as high as its form, up to half the dock
     std::vector<Lamp> lamps_;
     bool filling_ = false; ///< values are being shown, not edited
 };

@@ -8,10 +8,11 @@
 namespace lightloom {
 
 SnapshotBar::SnapshotBar(QWidget* parent)
-    : QScrollArea(parent), row_(new QHBoxLayout), empty_(new QLabel(tr("none yet")))
+    : QScrollArea(parent), row_(new QHBoxLayout), title_(new QLabel(tr("Snapshots:"))),
+      empty_(new QLabel(tr("none yet")))
 {
     row_->setContentsMargins(8, 2, 8, 2);
-    row_->addWidget(new QLabel(tr("Snapshots:")));
+    row_->addWidget(title_);
     row_->addWidget(empty_);
     row_->addStretch(1);
     auto* inside = new QWidget;
@@ -31,6 +32,20 @@ void SnapshotBar::clear()
     views_.clear();
     shown_ = 0;
     empty_->show();
+    makeRoom();
+}
+
+QSize SnapshotBar::sizeHint() const
+{
+    int width = row_->sizeHint().width();
+    if (title_->isHidden()) width += row_->spacing() + title_->sizeHint().width();
+    return {width, height()};
+}
+
+void SnapshotBar::makeRoom()
+{
+    title_->setVisible(width() >= sizeHint().width());
+    updateGeometry();
 }
 
 void SnapshotBar::add(const BakeView& view)
@@ -53,6 +68,7 @@ void SnapshotBar::add(const BakeView& view)
     buttons_.push_back(button);
     row_->insertWidget(row_->count() - 1, button);
     empty_->hide();
+    makeRoom();
     connect(button, &QToolButton::clicked, this, [this, index] {
         choose(index);
         Q_EMIT chosen();
@@ -79,6 +95,7 @@ void SnapshotBar::replaceShown(const BakeView& view)
 
 void SnapshotBar::resizeEvent(QResizeEvent* event)
 {
+    makeRoom();
     QScrollArea::resizeEvent(event);
     if (shown_ < buttons_.size()) ensureWidgetVisible(buttons_[shown_], 0, 0);
 }

@@ -11,7 +11,7 @@ class QToolButton;
 namespace lightloom {
 
 /// The refinements of the running or last bake, oldest first. The newest is shown until the user clicks another one;
-/// clicking the newest follows again. Scrolls where the window is narrow.
+/// clicking the newest follows again. Where it is narrow the title goes first, then it scrolls.
 class SnapshotBar final : public QScrollArea {
     Q_OBJECT
 public:
@@ -23,6 +23,7 @@ public:
     /// Null while there is none.
     [[nodiscard]] const BakeView* shown() const;
     [[nodiscard]] int count() const { return static_cast<int>(views_.size()); }
+    [[nodiscard]] QSize sizeHint() const override; ///< all in a row
 
 Q_SIGNALS:
     void chosen(); ///< `shown()` is another one
@@ -33,8 +34,10 @@ protected:
 private:
     void choose(std::size_t index);
 
+    void makeRoom();
+
     QHBoxLayout* row_;
-    QLabel* empty_;
+    QLabel *title_, *empty_;
     std::vector<BakeView> views_;
     std::vector<QToolButton*> buttons_;
     std::size_t shown_ = 0;

@@ -217,7 +217,7 @@ void SweepPanel::tellPlan()
         state_->setText(QString::fromStdString(planned.error().message));
     } else {
         const Result<std::vector<BakeParams>> rows = sweepRows(planned->base, planned->axes);
-        state_->setText(tr("%1, each of two seeds, lamps as the file has them").arg(bakes(rows->size())));
+        state_->setText(tr("%1, each of two seeds, lamps at 100 %").arg(bakes(rows->size())));
     }
 }
 

@@ -352,7 +352,9 @@ void Viewport::frameDone(double frameMs, double allMs)
     pacer_.drew(scale_, isMoving_ || scale_ < 1.0f, frameMs, allMs);
     if (needsMetering_ && octree_ && showsBake() && !showsPhotons() && overlay() == Overlay::none) meter();
     ++sample_;
-    Q_EMIT frameDrawn(frameMs_, !isMoving_ && scale_ == 1.0f);
+    const bool isFull = !isMoving_ && scale_ == 1.0f;
+    if (isFull && sample_ == 1 && underMouse()) hover_.start(); // something else may be under a cursor that rests
+    Q_EMIT frameDrawn(frameMs_, isFull);
     if (!data_) return;
     if (!isMoving_ && (sample_ < kSamples || !shadowsReady_ || !mirrorsReady_ || !atlasReady_)) {
         more_.start(pacer_.pauseMs());

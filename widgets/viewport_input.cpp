@@ -52,10 +52,9 @@ void Viewport::mouseReleaseEvent(QMouseEvent* event)
 void Viewport::mouseMoveEvent(QMouseEvent* event)
 {
     const QPointF delta = event->position() - last_;
-    last_ = event->position();
+    last_ = hoverAt_ = event->position();
     const Qt::MouseButtons buttons = event->buttons();
     if (buttons == Qt::NoButton) {
-        hoverAt_ = last_;
         if (!hover_.isActive()) hover_.start();
         return;
     }

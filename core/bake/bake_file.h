@@ -25,6 +25,7 @@ struct BakeInfo {
     std::vector<std::string> groups; ///< ids of all light groups, in the scene's order
     std::vector<std::string> off;    ///< ids of those that were off: they have no layer
     std::string program;             ///< version that wrote it
+    std::string incomplete;          ///< of exports: in what way it is less than was asked for; empty: it is all
 };
 
 struct BakeFile {

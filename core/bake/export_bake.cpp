@@ -37,6 +37,7 @@ ImageNotes notesOf(const ExportSource& source, const ExportRequest& request, con
         const bool counts = (spec.methods & (1u << static_cast<unsigned>(info.method))) != 0;
         if (counts) notes.emplace_back(fmt::format("lightloom.{}", spec.key), paramText(info.params, spec));
     }
+    if (!info.incomplete.empty()) notes.emplace_back("lightloom.incomplete", info.incomplete);
     const std::vector<LightGroup>& groups = source.rays.scene().groups;
     for (std::size_t g = 0; g < groups.size(); ++g) {
         const glm::vec3 gain = gainOf(source.mix, static_cast<int>(g));
@@ -111,6 +112,7 @@ Result<Done> makeGltf(const ExportSource& source, const ExportRequest& request, 
     const fs::path folder = fs::absolute(request.gltf).parent_path();
     lightmap.hdrFile = fs::absolute(lightmapFile(request)).lexically_proximate(folder).generic_string();
     lightmap.light = lightOf(request);
+    lightmap.incomplete = source.info.incomplete;
     Result<std::vector<std::uint8_t>> bytes = gltfBytes(unwrapped.scene, &lightmap);
     if (!bytes) return bytes.error();
     made.gltf = *std::move(bytes);

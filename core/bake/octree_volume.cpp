@@ -58,6 +58,7 @@ void describe(const BakeInfo& info, VdbFile& file)
     file.set("lightloom.method", std::string(methodName(info.method)));
     file.set("lightloom.scene", toHex(info.sceneHash));
     file.set("lightloom.isa", info.isa);
+    if (!info.incomplete.empty()) file.set("lightloom.incomplete", info.incomplete);
     for (const ParamSpec& spec : kParams) {
         file.set(fmt::format("lightloom.{}", spec.key), paramText(info.params, spec));
     }

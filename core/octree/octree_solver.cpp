@@ -141,8 +141,9 @@ private:
 Result<Done> showRough(const BakeJob& job, BakeProducts& products, BakeControl& control)
 {
     BakeJob rough = job;
-    rough.params.photonCount = std::max(10'000, job.params.photonCount / 16);
-    rough.params.gatherCount = std::max(20, job.params.gatherCount / 4);      // as wide a kernel within a factor of two
+    const BakeParams few = roughParams(job.params);
+    rough.params.photonCount = few.photonCount;
+    rough.params.gatherCount = few.gatherCount;
     if (rough.params.photonCount > job.params.photonCount / 4) return Done{}; // the bake proper is as quick
     const Result<SceneProducts> scene = sceneProducts(job, products, control);
     if (!scene) return scene.error();
@@ -172,6 +173,15 @@ Result<Done> showRough(const BakeJob& job, BakeProducts& products, BakeControl& 
 }
 
 } // namespace
+
+BakeParams roughParams(BakeParams params)
+{
+    params.photonCount = std::max(10'000, params.photonCount / 16);
+    params.gatherCount = std::max(20, params.gatherCount / 4); // as wide a kernel within a factor of two
+    params.octreeDepth = params.octreeFirstDepth;
+    params.octreeDetail = 0;
+    return params;
+}
 
 std::shared_ptr<const OctreeGeometry> octreeGeometry(const BakeJob& job, const SceneProducts& at, int depth,
                                                      BakeProducts& products, BakeControl& control)

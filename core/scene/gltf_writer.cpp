@@ -374,11 +374,13 @@ private:
         if (scene_.exposureEv) root["extras"]["lightloom"]["exposure"] = tidy(*scene_.exposureEv);
         out["scenes"] = {root};
         if (lightmap_) {
-            out["scenes"][0]["extras"]["lightloom"]["lightmap"] = {{"file", lightmap_->hdrFile},
-                                                                   {"unit", "lux"},
-                                                                   {"texCoord", 1},
-                                                                   {"intensity", tidy(lightmap_->intensity)},
-                                                                   {"light", lightmap_->light}};
+            json& about = out["scenes"][0]["extras"]["lightloom"]["lightmap"];
+            about = {{"file", lightmap_->hdrFile},
+                     {"unit", "lux"},
+                     {"texCoord", 1},
+                     {"intensity", tidy(lightmap_->intensity)},
+                     {"light", lightmap_->light}};
+            if (!lightmap_->incomplete.empty()) about["incomplete"] = lightmap_->incomplete;
         }
         const auto put = [&](const char* key, json& list) {
             if (!list.empty()) out[key] = std::move(list);

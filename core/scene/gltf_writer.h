@@ -15,6 +15,7 @@ struct GltfLightmap {
     std::vector<std::vector<glm::vec2>> uv; ///< by mesh: as many as positions, (0,0) at the top left
     std::string hdrFile;                    ///< name of the same picture in lux, beside the glb
     std::string light;                      ///< what it holds: "indirect" or "direct+indirect"
+    std::string incomplete;                 ///< in what way it is less than was asked for; empty: it is all
 };
 
 /// `scene` as a binary glTF 2.0 file. Reading it back gives the same triangles, materials, lamps, groups and cameras.

@@ -142,9 +142,10 @@ void ModeAtlas::draw(const ModeFrame& frame)
     gl_.glFrontFace(GL_CCW);
     gl_.glBindVertexArray(array_.id());
     drawProgram_.use();
-    drawProgram_.setTexture("gPosition", 0, GL_TEXTURE_2D, frame.buffers.position.id());
-    drawProgram_.setTexture("gBase", 1, GL_TEXTURE_2D, frame.buffers.base.id());
-    drawProgram_.setTexture("lightmap", 2, GL_TEXTURE_2D, pictures_[shown_].light.id());
+    frame.buffers.bind(drawProgram_);
+    drawProgram_.setTexture("gEmission", 3, GL_TEXTURE_2D, frame.buffers.emission.id());
+    drawProgram_.setTexture("lightmap", 4, GL_TEXTURE_2D, pictures_[shown_].light.id());
+    drawProgram_.set("mirrors", frame.mirrors ? 1 : 0);
     drawProgram_.set("viewProjection", frame.viewProjection);
     drawProgram_.set("eye", frame.eye);
     drawProgram_.set("showIlluminance", frame.showIlluminance ? 1 : 0);

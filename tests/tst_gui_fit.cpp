@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+// Claims about what use showed: at 1280 pixels of width nothing of the toolbar is cut off and the snapshots stand
+// beside a legend whole; the form of a lamp is readable under a long list of lamps, whose row is in sight; labels of
+// lights do not hide each other; the figure under the cursor follows lamps and bakes while the mouse rests.
+#include "widgets/gl/gl_probe.h"
+#include "widgets/lamp_desk.h"
+#include "widgets/lamp_editor.h"
+#include "widgets/legend_strip.h"
+#include "widgets/pick_card.h"
+#include "widgets/scene_dock.h"
+#include "widgets/snapshot_bar.h"
+#include "window_helpers.h"
+#include <QApplication>
+#include <QDoubleSpinBox>
+#include <QLabel>
+#include <QMenu>
+#include <QScrollArea>
+#include <QScrollBar>
+#include <QSlider>
+#include <QToolBar>
+#include <QToolButton>
+
+using namespace lightloom;
+using namespace lightloom::test;
+
+namespace {
+
+/// The label whose text ends so; null: none.
+QLabel* labelEnding(MainWindow& window, const QString& end)
+{
+    for (QLabel* label : window.findChildren<QLabel*>()) {
+        if (label->text().endsWith(end)) return label;
+    }
+    return nullptr;
+}
+
+} // namespace
+
+class GuiFitTest : public QObject {
+    Q_OBJECT
+    std::unique_ptr<MainWindow> window_;
+
+private Q_SLOTS:
+    void initTestCase()
+    {
+        const Result<Done> gl = probeGl();
+        QVERIFY2(gl, gl ? "" : gl.error().message.c_str());
+        window_ = makeWindow();
+        window_->resize(1280, 720);
+        QVERIFY(openAndBake(*window_));
+    }
+
+    void theToolbarIsWhole()
+    {
+        auto* bar = window_->findChild<QToolBar*>();
+        QVERIFY(bar != nullptr);
+        for (const char* mode : {"Octree", "Colour octree", "Photon map", "Atlas", "Reference", "Direct", "Plain"}) {
+            for (const char* shown : {"Light", "Error, %", "Error, lux", "Signed error"}) {
+                actionNamed(*window_, mode)->trigger();
+                actionNamed(*window_, shown)->trigger();
+                QCoreApplication::processEvents();
+                const int wanted = bar->sizeHint().width();
+                QVERIFY2(wanted <= bar->width(),
+                         qPrintable(QString("%1, %2: %3 of %4").arg(mode, shown).arg(wanted).arg(bar->width())));
+                for (QAction* action : bar->actions()) {
+                    QWidget* widget = bar->widgetForAction(action);
+                    QVERIFY(widget->isVisible() && bar->rect().contains(widget->geometry()));
+                }
+            }
+        }
+        actionNamed(*window_, "Light")->trigger();
+        actionNamed(*window_, "Octree")->trigger();
+    }
+
+    void whatTheToolbarHidesIsInTheMenus()
+    {
+        QSet<QAction*> inMenus;
+        for (const QMenu* menu : window_->findChildren<QMenu*>()) {
+            if (qobject_cast<QToolButton*>(menu->parentWidget()) != nullptr) continue;
+            for (QAction* action : menu->actions()) inMenus.insert(action);
+        }
+        auto* bar = window_->findChild<QToolBar*>();
+        for (QAction* action : bar->actions()) {
+            const auto* button = qobject_cast<QToolButton*>(bar->widgetForAction(action));
+            if (button == nullptr) continue;
+            QList<QAction*> all = button->menu() != nullptr ? button->menu()->actions() : QList<QAction*>{action};
+            for (QAction* each : all) QVERIFY2(inMenus.contains(each), qPrintable(each->text()));
+        }
+    }
+
+    void snapshotsAndLegendShareTheirRow()
+    {
+        actionNamed(*window_, "Error, %")->trigger();
+        QTRY_VERIFY_WITH_TIMEOUT(window_->legend().isVisible(), 5000);
+        QCoreApplication::processEvents();
+        const QScrollBar* scroll = window_->snapshots().horizontalScrollBar();
+        QVERIFY2(scroll->maximum() == 0, qPrintable(QString("%1 pixels are out of sight").arg(scroll->maximum())));
+        QVERIFY(window_->legend().width() >= 280);
+        actionNamed(*window_, "Light")->trigger();
+    }
+
+    void labelsKeepApart()
+    {
+        QWidget sheet;
+        sheet.resize(400, 300);
+        PickCard card(&sheet);
+        std::vector<PickCard::Label> labels;
+        for (const double y : {100.0, 104.0, 99.0, 112.0, 250.0}) labels.push_back({QPointF(50.0, y), "12.5 lx"});
+        card.setLabels(labels);
+        const std::vector<QRectF> places = card.labelPlaces();
+        QCOMPARE(places.size(), labels.size());
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            for (std::size_t j = 0; j < i; ++j) QVERIFY(!places[i].intersects(places[j]));
+        }
+        QCOMPARE(places[4].center().y(), 250.0); // what hides nothing stays
+        QCOMPARE(places[2].center().y(), 99.0);
+    }
+
+    void theFigureUnderTheCursorFollowsTheLight()
+    {
+        Viewport& viewport = *window_->viewport();
+        QVERIFY(settle(viewport));
+        QTest::mouseMove(&viewport, QPoint(viewport.width() / 2, viewport.height() * 9 / 10));
+        QLabel* figure = nullptr;
+        QTRY_VERIFY_WITH_TIMEOUT((figure = labelEnding(*window_, " lx at cursor")) != nullptr, 10'000);
+        const double full = figure->text().split(' ').first().toDouble();
+        QVERIFY(full > 0.0);
+        window_->sceneDock().findChild<QSlider*>()->setValue(50);
+        const auto now = [&] { return figure->text().split(' ').first().toDouble(); };
+        QTRY_VERIFY2_WITH_TIMEOUT(std::abs(now() / full - 0.5) < 0.01, qPrintable(figure->text()), 10'000);
+        window_->sceneDock().findChild<QSlider*>()->setValue(100);
+        QTRY_VERIFY_WITH_TIMEOUT(std::abs(now() / full - 1.0) < 0.01, 10'000);
+    }
+
+    void aLampsFormIsReadableUnderALongList()
+    {
+        QSignalSpy opened(window_.get(), &MainWindow::sceneOpened);
+        window_->openScene(sampleFile("gallery"));
+        QVERIFY(opened.wait(kPatience));
+        actionNamed(*window_, "Move lamps")->trigger();
+        const int last = static_cast<int>(window_->scene()->groups.size()) - 1;
+        QVERIFY(last >= 10);
+        window_->lampDesk()->choose(last);
+        QCoreApplication::processEvents();
+        QTest::qWait(50);
+        const SceneDock& dock = window_->sceneDock();
+        int seen = 0;
+        for (const QDoubleSpinBox* field : dock.editor().findChildren<QDoubleSpinBox*>()) {
+            seen += field->isVisible() && field->visibleRegion().boundingRect().height() == field->height() ? 1 : 0;
+        }
+        QVERIFY2(seen >= 4, qPrintable(QString("%1 fields in sight").arg(seen)));
+        const auto buttons = dock.findChildren<QToolButton*>();
+        const QToolButton* edit = buttons.last();
+        QVERIFY(edit->isChecked());
+        QCOMPARE(edit->visibleRegion().boundingRect().height(), edit->height());
+    }
+
+    void aClickIntoAGlowingSurfaceChoosesIt()
+    {
+        Viewport& viewport = *window_->viewport();
+        QVERIFY(settle(viewport));
+        const Scene& scene = *window_->scene();
+        // the middle of the first panel that the camera sees
+        for (const Instance& instance : scene.instances) {
+            if (instance.group < 0) continue;
+            const Mesh& mesh = scene.meshes[static_cast<std::size_t>(instance.mesh)];
+            glm::vec3 middle(0.0f);
+            for (const glm::vec3 p : mesh.positions) {
+                middle += glm::vec3(instance.toWorld * glm::vec4(p, 1.0f)) / static_cast<float>(mesh.positions.size());
+            }
+            const auto at = viewport.placeIn(middle);
+            if (!at || !QRectF(viewport.rect()).contains(*at)) continue;
+            window_->lampDesk()->choose(-1);
+            QTest::mouseClick(&viewport, Qt::LeftButton, {}, at->toPoint());
+            QCOMPARE(window_->lampDesk()->group(), instance.group);
+            return;
+        }
+        QFAIL("no panel is in the picture");
+    }
+};
+
+int main(int argc, char** argv)
+{
+    setDefaultGlFormat();
+    QApplication application(argc, argv);
+    GuiFitTest test;
+    return QTest::qExec(&test, argc, argv);
+}
+#include "tst_gui_fit.moc"
