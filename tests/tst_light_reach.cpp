@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Claims: probe points are uniform over what light reaches: none under furniture, some behind it where a gap lets light
-// in; reach and points are the same on any number of threads.
+// in; reach and points are the same on any number of threads; joined to fewer facets it is the same surface.
 #include "bake_helpers.h"
 #include "core/scene/scene_builder.h"
 #include "core/trace/light_reach.h"
 #include "core/trace/side_elements.h"
 #include <QTest>
+#include <map>
 
 using namespace lightloom;
 using namespace lightloom::test;
@@ -113,6 +114,27 @@ private Q_SLOTS:
             QVERIFY2(canFace || !isFacing, qPrintable(QString("element %1").arg(element)));
         }
         QVERIFY2(refused > 50'000 && facing > 20'000, qPrintable(QString("%1 %2").arg(refused).arg(facing)));
+    }
+
+    void joinedPartsAreTheSameSurface()
+    {
+        const Sampled sampled = sampleScene(furnishedRoom(), 0, 2);
+        const std::vector<ReachedFacet>& fine = sampled.reach->facets();
+        const std::vector<ReachedFacet> fewer = sampled.reach->fewerFacets();
+        QVERIFY2(fewer.size() * 4 < fine.size(), qPrintable(QString("%1 of %2").arg(fewer.size()).arg(fine.size())));
+        // per side: area, and its first moments
+        const auto momentsOf = [](const std::vector<ReachedFacet>& facets) {
+            std::map<std::uint32_t, glm::dvec4> sums;
+            for (const ReachedFacet& f : facets) {
+                const glm::dvec3 a(f.a), b(f.b), c(f.c);
+                const double area = 0.5 * glm::length(glm::cross(b - a, c - a));
+                sums[f.side] += area * glm::dvec4((a + b + c) / 3.0, 1.0);
+            }
+            return sums;
+        };
+        const auto before = momentsOf(fine), after = momentsOf(fewer);
+        QCOMPARE(after.size(), before.size());
+        for (const auto& [side, sum] : before) QVERIFY(glm::length(after.at(side) - sum) <= 1e-5 * sum.w);
     }
 
     void anyNumberOfThreadsFindsTheSame()

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Claims: the kd-tree finds exactly the photons that brute force finds, whatever the kernel; K beyond the count, no
-// photons and all photons on one point are survived.
+// Claims: the kd-tree finds exactly the photons that brute force finds, whatever the kernel, and in the order of their
+// numbers, whatever the guess; its selections are those of sorting; K beyond the count, no photons and all photons on
+// one point are survived.
 #include "core/base/sampling.h"
+#include "core/photonmap/least_keys.h"
 #include "core/photonmap/photon_map.h"
 #include <QtTest>
 #include <algorithm>
 #include <cstring>
+#include <functional>
 
 using namespace lightloom;
 
@@ -79,8 +82,55 @@ private Q_SLOTS:
             Gathered gathered;
             gathered.expected = guess;
             map->gather(q, gathered);
-            std::ranges::sort(gathered.photons);
             QVERIFY(gathered.isFull && gathered.photons == bruteForce(*map, q));
+            QVERIFY(std::ranges::equal(gathered.keys, gathered.photons, {},
+                                       [](std::uint64_t key) { return static_cast<std::uint32_t>(key); }));
+        }
+    }
+
+    void guessesFarTooWideToo() // nearly all photons on a speck: what held K elsewhere holds thousands there
+    {
+        auto paths = std::make_shared<PhotonPaths>(*randomPaths(20'000));
+        for (std::size_t i = 0; i < paths->photons.size(); ++i) {
+            if (i % 20 != 0) paths->photons[i].position = glm::vec3(0.5f) + 1e-3f * paths->photons[i].position;
+        }
+        const auto map = PhotonMap::build(paths);
+        for (const float guess : {0.0f, 1e-5f, 0.3f}) {
+            for (const std::uint32_t k : {1u, 100u}) {
+                Gathered gathered;
+                gathered.expected = guess;
+                const GatherQuery q{glm::vec3(0.5004f), {0, 1, 0}, 1.0f, 1.0f, -2.0f, k};
+                map->gather(q, gathered);
+                QVERIFY(gathered.isFull && gathered.photons == bruteForce(*map, q));
+            }
+        }
+    }
+
+    void selectsAsSortingDoes()
+    {
+        std::vector<std::uint64_t> work;
+        for (std::uint64_t trial = 0; trial < 300; ++trial) {
+            Rng rng(4, 9, trial);
+            const std::size_t count = 1 + rng.bits() % 400, k = 1 + rng.bits() % count;
+            std::vector<std::uint64_t> keys;
+            for (std::uint64_t i = 0; i < count; ++i) {
+                float squared = rng.uniform();
+                if (trial % 3 == 1) squared = i % 4 == 0 ? 0.25f : 0.0f; // mostly equal
+                if (trial % 3 == 2) squared = squared * squared * squared * squared * 1e-30f;
+                keys.push_back(std::uint64_t(std::bit_cast<std::uint32_t>(squared)) << 32 | i);
+            }
+            std::vector<std::uint64_t> sorted = keys, kept = keys, parted = keys;
+            std::ranges::sort(sorted);
+            const std::uint64_t least = leastKey(keys.data(), count, k, work);
+            QCOMPARE(least, sorted[k - 1]);
+            const auto isKept = [&](std::uint64_t key) { return key <= least; };
+            std::vector<std::uint64_t> wanted;
+            std::ranges::copy_if(keys, std::back_inserter(wanted), isKept);
+            kept.resize(keepUpTo(least, kept.data(), count));
+            QVERIFY(kept == wanted && kept.size() == k);
+            std::ranges::copy_if(keys, std::back_inserter(wanted), std::not_fn(isKept));
+            partAt(least, parted.data(), count, work);
+            QVERIFY(parted == wanted);
         }
     }
 

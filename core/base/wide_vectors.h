@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
 
 /// Before a function: it is compiled for several widths of vectors, and the machine's own is picked when the program is
 /// loaded. Not under ThreadSanitizer, which is not ready yet when the pick is made.
@@ -8,3 +11,24 @@
 #else
 #define LIGHTLOOM_WIDE_VECTORS __attribute__((target_clones("avx512f", "avx2", "default")))
 #endif
+
+namespace lightloom {
+
+/// Eight numbers that are computed with at once: one register where the machine has AVX2, several elsewhere, with the
+/// same bits. Within functions marked as above only: how they are handed over depends on the machine.
+using Floats8 = float __attribute__((vector_size(32)));
+using Ints8 = std::int32_t __attribute__((vector_size(32)));
+inline constexpr std::size_t kLanes = 8;
+
+/// Number `block` of the groups of eight in an array.
+template<class Lanes, class Element>
+[[gnu::always_inline]] inline auto& lanesOf(Element* values, std::size_t block)
+{
+    typedef Lanes AnyPlace __attribute__((aligned(alignof(Element)), may_alias));
+    if constexpr (std::is_const_v<Element>)
+        return reinterpret_cast<const AnyPlace*>(values)[block];
+    else
+        return reinterpret_cast<AnyPlace*>(values)[block];
+}
+
+} // namespace lightloom

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/photonmap/density.h"
-#include "core/base/sampling.h"
 #include "core/base/units.h"
+#include "core/photonmap/least_keys.h"
+#include "core/photonmap/photon_sums.h"
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -54,8 +54,6 @@ struct Kernels {
     }
 };
 
-float distanceOf(std::uint64_t key) { return std::sqrt(std::bit_cast<float>(static_cast<std::uint32_t>(key >> 32))); }
-
 /// Orders the gathered photons so that each kernel holds the first of them.
 Kernels nestedKernels(const DensityKernel& kernel, Gathered& gathered)
 {
@@ -65,52 +63,18 @@ Kernels nestedKernels(const DensityKernel& kernel, Gathered& gathered)
         const double fewest = std::max(kFewest, static_cast<double>(all) / 1024.0);
         for (double k = fewest; k < 0.9 * static_cast<double>(all) && kernels.size + 1 < kMostKernels; k *= 2.0)
             kernels.add(static_cast<std::size_t>(k), 0.0f);
-        auto end = gathered.keys.end();
-        for (std::size_t j = kernels.size; j-- > 0;) { // from the largest down: each selection leaves half to the next
-            const auto last = gathered.keys.begin() + static_cast<std::ptrdiff_t>(kernels.counts[j]) - 1;
-            std::nth_element(gathered.keys.begin(), last, end);
-            kernels.radii[j] = distanceOf(*last);
-            end = last + 1;
+        std::size_t left = all;
+        for (std::size_t j = kernels.size; j-- > 0;) { // from the largest down: each leaves half to the next
+            const std::uint64_t last = leastKey(gathered.keys.data(), left, kernels.counts[j], gathered.work);
+            partAt(last, gathered.keys.data(), left, gathered.work);
+            kernels.radii[j] = std::sqrt(squaredOf(last));
+            left = kernels.counts[j];
         }
         for (std::size_t i = 0; i < all; ++i) gathered.photons[i] = static_cast<std::uint32_t>(gathered.keys[i]);
     }
     kernels.add(all, gathered.radius);
     return kernels;
 }
-
-/// Sums over the photons of a kernel, positions in the tangential plane.
-class PhotonSums {
-public:
-    explicit PhotonSums(glm::vec3 p, glm::vec3 n) : p_(p), frame_(n) {}
-
-    void add(const Photon& photon)
-    {
-        const glm::vec3 d = photon.position - p_;
-        const double x = static_cast<double>(glm::dot(d, frame_.tangent)),
-                     y = static_cast<double>(glm::dot(d, frame_.bitangent));
-        const glm::dvec3 flux(photon.flux);
-        const double f = static_cast<double>(luminance(photon.flux)), ff = f * f;
-        flux_ += flux, fluxX_ += x * flux, fluxY_ += y * flux;
-        squares_ += AreaMoments{ff, {ff * x, ff * y}, ff * x * x, ff * x * y, ff * y * y};
-    }
-
-    /// Illuminance by weights w.x + w.y x + w.z y per photon.
-    [[nodiscard]] glm::dvec3 lux(glm::dvec3 w) const { return w.x * flux_ + w.y * fluxX_ + w.z * fluxY_; }
-    [[nodiscard]] double value(glm::dvec3 w) const { return static_cast<double>(luminance(glm::vec3(lux(w)))); }
-    [[nodiscard]] double noise(glm::dvec3 w) const
-    {
-        const AreaMoments& s = squares_;
-        const double variance = w.x * w.x * s.area + 2.0 * w.x * (w.y * s.first.x + w.z * s.first.y) +
-                                w.y * w.y * s.xx + 2.0 * w.y * w.z * s.xy + w.z * w.z * s.yy;
-        return std::sqrt(std::max(0.0, variance));
-    }
-
-private:
-    glm::vec3 p_;
-    Frame frame_;
-    glm::dvec3 flux_{0.0}, fluxX_{0.0}, fluxY_{0.0};
-    AreaMoments squares_; ///< of the luminous flux: moments of the photons themselves
-};
 
 /// Whether the estimate of an ever larger kernel still agrees with those of the smaller ones. Kernels are nested: if
 /// the light is what the larger one says, the variance of a difference is the difference of the variances, and
@@ -194,12 +158,12 @@ Density estimateDensity(const PhotonMap& map, const SurfaceArea& area, const Den
     if (!(moments[kernels.size - 1].area > 0.0) && gathered.photons.empty()) return density;
     density.isAnswer = true;
     const double floor = std::max(static_cast<double>(kernel.areaFloor), 1e-300);
-    PhotonSums sums(p, n);
+    PhotonSums sums(map, p, n);
     std::uint32_t taken = 0;
     Agreement agreement;
     for (std::size_t j = 0; j < kernels.size; ++j) {
         const std::uint32_t count = kernels.counts[j];
-        for (std::uint32_t i = taken; i < count; ++i) sums.add(map.photon(gathered.photons[i]));
+        sums.add(std::span(gathered.photons).subspan(taken, count - taken));
         AreaMoments m = moments[j];
         const auto radius = static_cast<double>(kernels.radii[j]);
         if (kernel.area == GatherArea::disc) m = momentsOfDisc(radius);

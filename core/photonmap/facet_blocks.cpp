@@ -35,78 +35,61 @@ BlockSums::BlockSums(glm::vec3 centre, glm::vec3 normal, glm::vec3 tangent, glm:
              radii.back()},
       radii_(radii)
 {
+    std::fill_n(sums_.begin(), radii.size() * kMoments * kLanes, 0.0f);
 }
 
-unsigned BlockSums::add(const FacetBlock& block)
+LIGHTLOOM_WIDE_VECTORS std::size_t BlockSums::add(const Place& place, const FacetBlock& block, const float* radii,
+                                                  std::size_t count, float* sums, std::uint32_t first,
+                                                  std::uint32_t* large)
 {
-    Patches patches;
-    int isPatch[FacetBlock::kCount], isLarge[FacetBlock::kCount];
-    measure(block, place_, patches, isPatch, isLarge);
-    unsigned large = 0;
-    int patch = 0;
-    for (std::size_t i = 0; i < FacetBlock::kCount; ++i) {
-        large |= static_cast<unsigned>(isLarge[i]) << i;
-        patch |= isPatch[i];
-    }
-    if (patch != 0) {
-        if (!isUsed_) std::fill_n(sums_.begin(), radii_.size() * kMoments * FacetBlock::kCount, 0.0f);
-        isUsed_ = true;
-        addTo(sums_.data(), block, patches, radii_.data(), radii_.size());
-    }
-    return large;
-}
+    static_assert(FacetBlock::kCount == kLanes);
+    const auto of = [](const float* values) -> const auto& { return lanesOf<Floats8>(values, 0); };
+    const Floats8 dx = of(block.x) - place.centre[0], dy = of(block.y) - place.centre[1],
+                  dz = of(block.z) - place.centre[2];
+    const Floats8 squared = dx * dx + dy * dy + dz * dz, near = place.largest + of(block.reach);
+    const Floats8 cosine =
+        of(block.nx) * place.normal[0] + of(block.ny) * place.normal[1] + of(block.nz) * place.normal[2];
+    const Ints8 counts = (cosine > place.leastCosine) & (squared <= near * near) & (of(block.area) > 0.0f);
+    const Ints8 isPatch = counts & (of(block.reach) < place.small), isLarge = counts & ~isPatch;
 
-LIGHTLOOM_WIDE_VECTORS void BlockSums::measure(const FacetBlock& block, const Place& place, Patches& patches,
-                                               int* __restrict isPatch, int* __restrict isLarge)
-{
-    for (std::size_t i = 0; i < FacetBlock::kCount; ++i) {
-        const float dx = block.x[i] - place.centre[0], dy = block.y[i] - place.centre[1],
-                    dz = block.z[i] - place.centre[2];
-        const float along = dx * place.normal[0] + dy * place.normal[1] + dz * place.normal[2];
-        const float squared = dx * dx + dy * dy + dz * dz, d = std::sqrt(squared + place.stretch * along * along);
-        // points beside the centroid lie further off on average: the border is round
-        patches.distance[i] = d + 0.5f * block.spread[i] / std::max(d, 1e-30f + std::sqrt(block.spread[i]));
-        patches.x[i] = dx * place.tangent[0] + dy * place.tangent[1] + dz * place.tangent[2];
-        patches.y[i] = dx * place.bitangent[0] + dy * place.bitangent[1] + dz * place.bitangent[2];
-        const float cosine =
-            block.nx[i] * place.normal[0] + block.ny[i] * place.normal[1] + block.nz[i] * place.normal[2];
-        const float near = place.largest + block.reach[i];
-        const int counts = (cosine > place.leastCosine) & (squared <= near * near) & (block.area[i] > 0.0f);
-        const int small = block.reach[i] < place.small;
-        isPatch[i] = counts & small;
-        isLarge[i] = counts & (1 - small);
-        patches.area[i] = isPatch[i] != 0 ? block.area[i] : 0.0f;
+    std::uint32_t* next = large;
+    std::int32_t patches = 0;
+    for (std::size_t i = 0; i < kLanes; ++i) {
+        *next = first + static_cast<std::uint32_t>(i);
+        next -= isLarge[i];
+        patches |= isPatch[i];
     }
-}
+    if (patches == 0) return static_cast<std::size_t>(next - large);
 
-LIGHTLOOM_WIDE_VECTORS void BlockSums::addTo(float* __restrict sums, const FacetBlock& block, const Patches& patches,
-                                             const float* __restrict radii, std::size_t count)
-{
-    constexpr std::size_t n = FacetBlock::kCount;
+    const Floats8 along = dx * place.normal[0] + dy * place.normal[1] + dz * place.normal[2];
+    const Floats8 stretched = squared + place.stretch * along * along, spread = of(block.spread);
+    Floats8 d, width;
+    for (std::size_t i = 0; i < kLanes; ++i) d[i] = std::sqrt(stretched[i]), width[i] = 1e-30f + std::sqrt(spread[i]);
+    // points beside the centroid lie further off on average: the border is round
+    const Floats8 distance = d + 0.5f * spread / (d > width ? d : width);
+    const Floats8 x = dx * place.tangent[0] + dy * place.tangent[1] + dz * place.tangent[2];
+    const Floats8 y = dx * place.bitangent[0] + dy * place.bitangent[1] + dz * place.bitangent[2];
+    const Floats8 area = isPatch != 0 ? of(block.area) : Floats8{};
+    const Floats8 xx = x * x + spread, xy = x * y, yy = y * y + spread;
     for (std::size_t j = 0; j < count; ++j) {
-        float* sum = sums + j * kMoments * n;
-        for (std::size_t i = 0; i < n; ++i) {
-            const float x = patches.x[i], y = patches.y[i];
-            const float share = (radii[j] - patches.distance[i]) * block.slope[i] + 0.5f;
-            const float a = patches.area[i] * std::min(std::max(share, 0.0f), 1.0f);
-            sum[i] += a;
-            sum[n + i] += a * x;
-            sum[2 * n + i] += a * y;
-            sum[3 * n + i] += a * (x * x + block.spread[i]);
-            sum[4 * n + i] += a * (x * y);
-            sum[5 * n + i] += a * (y * y + block.spread[i]);
-        }
+        const Floats8 share = (radii[j] - distance) * of(block.slope) + 0.5f;
+        const Floats8 some = share > 0.0f ? share : Floats8{};
+        const Floats8 a = area * (some < 1.0f ? some : Floats8{} + 1.0f);
+        const auto add = [&](std::size_t moment, const Floats8& value) {
+            lanesOf<Floats8>(sums, j * kMoments + moment) += value;
+        };
+        add(0, a), add(1, a * x), add(2, a * y), add(3, a * xx), add(4, a * xy), add(5, a * yy);
     }
+    return static_cast<std::size_t>(next - large);
 }
 
 AreaMoments BlockSums::sum(std::size_t j) const
 {
-    if (!isUsed_) return {};
-    std::array<double, kMoments> m{};
-    const float* sum = sums_.data() + j * kMoments * FacetBlock::kCount;
+    std::array<double, kMoments> m;
     for (std::size_t k = 0; k < kMoments; ++k) {
-        for (std::size_t i = 0; i < FacetBlock::kCount; ++i)
-            m[k] += static_cast<double>(sum[k * FacetBlock::kCount + i]);
+        const float* s = sums_.data() + (j * kMoments + k) * kLanes;
+        const auto pair = [s](std::size_t i) { return static_cast<double>(s[i]) + static_cast<double>(s[i + 4]); };
+        m[k] = (pair(0) + pair(2)) + (pair(1) + pair(3));
     }
     return {m[0], {m[1], m[2]}, m[3], m[4], m[5]};
 }

@@ -32,9 +32,12 @@ public:
     /// Facets with a reach below `small` count as patches.
     BlockSums(glm::vec3 centre, glm::vec3 normal, glm::vec3 tangent, glm::vec3 bitangent, float stretch,
               float leastCosine, float small, std::span<const float> radii);
-    /// Adds the small ones. Returns the bits of those that are too large for that and may lie within the largest
-    /// radius.
-    [[nodiscard]] unsigned add(const FacetBlock& block);
+    /// Adds the small ones. Writes the numbers, beginning with `first`, of those that are too large for that and may
+    /// lie within the largest radius to `large`, which has room for eight; returns how many.
+    [[nodiscard]] std::size_t add(const FacetBlock& block, std::uint32_t first, std::uint32_t* large)
+    {
+        return add(place_, block, radii_.data(), radii_.size(), sums_.data(), first, large);
+    }
     /// What was added, within radius number `j`; coordinates along tangent and bitangent, from the centre.
     [[nodiscard]] AreaMoments sum(std::size_t j) const;
 
@@ -45,16 +48,11 @@ private:
         float stretch; // squared, less 1
         float leastCosine, small, largest;
     };
-    struct Patches {
-        float distance[FacetBlock::kCount], x[FacetBlock::kCount], y[FacetBlock::kCount], area[FacetBlock::kCount];
-    };
-    static void measure(const FacetBlock& block, const Place& place, Patches& patches, int* isPatch, int* isLarge);
-    static void addTo(float* sums, const FacetBlock& block, const Patches& patches, const float* radii,
-                      std::size_t count);
+    static std::size_t add(const Place& place, const FacetBlock& block, const float* radii, std::size_t count,
+                           float* sums, std::uint32_t first, std::uint32_t* large);
     Place place_;
     std::span<const float> radii_;
-    bool isUsed_ = false;
-    alignas(32) std::array<float, kMostRadii * kMoments * FacetBlock::kCount> sums_; // set by the first `add`
+    alignas(32) std::array<float, kMostRadii * kMoments * FacetBlock::kCount> sums_; // as many as there are radii
 };
 
 } // namespace lightloom

@@ -2,8 +2,10 @@
 #include "core/photonmap/photon_map.h"
 #include "core/base/ordering.h"
 #include "core/base/wide_vectors.h"
+#include "core/photonmap/least_keys.h"
 #include <algorithm>
 #include <bit>
+#include <cstring>
 #include <limits>
 
 namespace lightloom {
@@ -14,9 +16,6 @@ struct PhotonMap::Record {
 };
 
 namespace {
-
-/// Blocks that go left. Splits fall between blocks, so that all blocks but the last are full.
-std::uint32_t leftBlocks(std::uint32_t blocks) { return (blocks + 1) / 2; }
 
 /// Orders by (coordinate, number): with ties broken the tree is the same on any machine.
 template<int Axis, class Record>
@@ -48,10 +47,17 @@ std::shared_ptr<const PhotonMap> PhotonMap::build(const std::shared_ptr<const Ph
     }
     const auto blocks = static_cast<std::uint32_t>((records.size() + kBlock - 1) / kBlock);
     map->blocks_.resize(blocks);
-    map->nodes_.resize(2 * std::size_t(std::bit_ceil(blocks)));
-    if (blocks > 0) map->split(records, 0, blocks, 0, stop);
+    if (blocks > 0) split(records, 0, blocks, stop);
     if (stop.stop_requested() || !map->takeInOrder(*paths, records, stop)) return nullptr;
-    for (std::uint32_t b = 0; b < blocks; ++b) map->fill(b);
+    std::vector<BoxGroups::Box> boxes(blocks);
+    BoxGroups::Box all;
+    for (std::uint32_t b = 0; b < blocks; ++b) {
+        boxes[b] = map->fill(b);
+        all.add(boxes[b].low), all.add(boxes[b].high);
+    }
+    map->boxes_ = BoxGroups(boxes);
+    if (blocks > 0)
+        map->everyRadius_ = glm::distance(all.low, all.high) / std::sqrt(static_cast<float>(records.size()));
     return map;
 }
 
@@ -75,9 +81,10 @@ std::vector<std::uint32_t> PhotonMap::listOrder() const
     return order;
 }
 
-void PhotonMap::fill(std::uint32_t number)
+BoxGroups::Box PhotonMap::fill(std::uint32_t number)
 {
     Block& block = blocks_[number];
+    BoxGroups::Box box;
     for (std::uint32_t i = 0; i < kBlock; ++i) {
         const std::size_t at = std::size_t(number) * kBlock + i;
         const bool used = at < paths_.photons.size();
@@ -86,10 +93,12 @@ void PhotonMap::fill(std::uint32_t number)
         const glm::vec3 n = used ? paths_.photons[at].normal : glm::vec3(0.0f);
         block.x[i] = p.x, block.y[i] = p.y, block.z[i] = p.z;
         block.nx[i] = n.x, block.ny[i] = n.y, block.nz[i] = n.z;
+        if (used) box.add(p);
     }
+    return box;
 }
 
-void PhotonMap::split(std::vector<Record>& records, std::uint32_t firstBlock, std::uint32_t blocks, std::uint32_t node,
+void PhotonMap::split(std::vector<Record>& records, std::uint32_t firstBlock, std::uint32_t blocks,
                       const std::stop_token& stop)
 {
     Record* first = records.data() + std::size_t(firstBlock) * kBlock;
@@ -106,105 +115,99 @@ void PhotonMap::split(std::vector<Record>& records, std::uint32_t firstBlock, st
         high = glm::max(high, p);
     }
     const int axis = widestAxis(high - low);
-    const std::uint32_t left = leftBlocks(blocks);
+    const std::uint32_t left = BoxGroups::firstPart(blocks); // splits fall between blocks: all but the last are full
     Record* middle = first + std::size_t(left) * kBlock;
     const auto splitAlong = axis == 0 ? splitAt<0, Record> : axis == 1 ? splitAt<1, Record> : splitAt<2, Record>;
     if (!splitAlong(first, middle, last, stop)) return;
-    nodes_[node] = {middle->p[axis], axis};
-    split(records, firstBlock, left, 2 * node + 1, stop);
-    split(records, firstBlock + left, blocks - left, 2 * node + 2, stop);
+    split(records, firstBlock, left, stop);
+    split(records, firstBlock + left, blocks - left, stop);
 }
 
 std::size_t PhotonMap::memoryBytes() const
 {
-    return blocks_.size() * sizeof(Block) + nodes_.size() * sizeof(Node) +
+    return blocks_.size() * sizeof(Block) + boxes_.memoryBytes() +
            paths_.photons.size() * (sizeof(Photon) + sizeof(std::uint32_t));
 }
 
-namespace {
-
-/// Leaves the `count` least keys, in their order. Returns the squared distance of the largest of them.
-float nearest(std::uint32_t count, std::vector<std::uint64_t>& keys, std::vector<std::uint64_t>& work)
-{
-    work = keys; // selection shuffles: what is left must not depend on what else was there
-    const auto last = work.begin() + static_cast<std::ptrdiff_t>(count) - 1;
-    std::nth_element(work.begin(), last, work.end());
-    const std::uint64_t most = *last;
-    std::size_t kept = 0;
-    for (const std::uint64_t key : keys) {
-        keys[kept] = key;
-        kept += key <= most ? 1 : 0;
-    }
-    keys.resize(kept);
-    return std::bit_cast<float>(static_cast<std::uint32_t>(most >> 32));
-}
-
-} // namespace
-
-/// State of one query. `keys` holds candidates as distance bits above, number below: one integer comparison orders
-/// both.
+/// State of one query. Distances are measured from `centre` with those along `normal` stretched.
 struct PhotonMap::Search {
-    const GatherQuery& query;
-    float stretch; // stretch^2 - 1
-    float limit;   // squared distance beyond which nothing is wanted
-    std::vector<std::uint64_t>& keys;
+    float centre[3], normal[3];
+    float stretch;            // stretch^2 - 1
+    float leastCosine, limit; // squared distance beyond which nothing is wanted
+    std::size_t wanted;       // K, or all there are
+    std::size_t room;         // for candidates
+    std::uint64_t* keys;      // candidates
+    std::size_t found = 0;
     std::vector<std::uint64_t>& work;
+
+    /// Keeps the K nearest.
+    void thin()
+    {
+        const std::uint64_t most = leastKey(keys, found, wanted, work);
+        found = keepUpTo(most, keys, found);
+        limit = squaredOf(most);
+    }
 };
 
 namespace {
 
-/// Distances of a block's photons under the query's metric and their normals' cosines. Sixteen lanes at once on
-/// whatever vectors the machine has; without contraction every clone gives the same bits.
-LIGHTLOOM_WIDE_VECTORS void measure(const float* __restrict x, const float* __restrict y, const float* __restrict z,
-                                    const float* __restrict nx, const float* __restrict ny, const float* __restrict nz,
-                                    const float* q, float* __restrict squared, float* __restrict cosine)
+/// Adds the photons of a block that the query may want to `keys`. Sixteen lanes at once on whatever vectors the machine
+/// has; without contraction every clone gives the same bits.
+template<class Search>
+[[gnu::always_inline]] inline std::size_t addNear(const Search& s, const float* x, const float* y, const float* z,
+                                                  const float* nx, const float* ny, const float* nz,
+                                                  std::uint32_t number)
 {
-    const float cx = q[0], cy = q[1], cz = q[2], ax = q[3], ay = q[4], az = q[5], stretch = q[6];
-    for (int i = 0; i < 16; ++i) {
-        const float dx = x[i] - cx, dy = y[i] - cy, dz = z[i] - cz;
-        const float along = dx * ax + dy * ay + dz * az;
-        squared[i] = dx * dx + dy * dy + dz * dz + stretch * along * along;
-        cosine[i] = nx[i] * ax + ny[i] * ay + nz[i] * az;
+    Ints8 bits[2], isNear[2];
+    for (std::size_t half = 0; half < 2; ++half) {
+        const Floats8 dx = lanesOf<Floats8>(x, half) - s.centre[0], dy = lanesOf<Floats8>(y, half) - s.centre[1],
+                      dz = lanesOf<Floats8>(z, half) - s.centre[2];
+        const Floats8 along = dx * s.normal[0] + dy * s.normal[1] + dz * s.normal[2];
+        const Floats8 squared = dx * dx + dy * dy + dz * dz + s.stretch * along * along;
+        const Floats8 cosine = lanesOf<Floats8>(nx, half) * s.normal[0] + lanesOf<Floats8>(ny, half) * s.normal[1] +
+                               lanesOf<Floats8>(nz, half) * s.normal[2];
+        isNear[half] = (squared <= s.limit) & (cosine > s.leastCosine);
+        std::memcpy(&bits[half], &squared, sizeof squared);
     }
+    std::uint64_t* const first = s.keys + s.found;
+    std::uint64_t* next = first;
+    for (std::size_t i = 0; i < 2 * kLanes; ++i) { // without branches: they would be taken half the time
+        const auto distance = static_cast<std::uint32_t>(bits[i / kLanes][i % kLanes]);
+        *next = std::uint64_t(distance) << 32 | (number + i);
+        next -= isNear[i / kLanes][i % kLanes];
+    }
+    return static_cast<std::size_t>(next - first);
 }
 
 } // namespace
 
-void PhotonMap::scan(Search& search, std::uint32_t number) const
+LIGHTLOOM_WIDE_VECTORS std::size_t PhotonMap::addBlock(const Search& search, const Block& block, std::uint32_t number)
 {
-    const Block& block = blocks_[number];
-    const GatherQuery& query = search.query;
-    const float q[7] = {query.centre.x, query.centre.y, query.centre.z, query.normal.x,
-                        query.normal.y, query.normal.z, search.stretch};
-    alignas(64) float squared[kBlock], cosine[kBlock];
-    measure(block.x, block.y, block.z, block.nx, block.ny, block.nz, q, squared, cosine);
-    for (std::uint32_t i = 0; i < kBlock; ++i) {
-        if (!(squared[i] <= search.limit) || !(cosine[i] > query.leastCosine)) continue;
-        search.keys.push_back(std::uint64_t(std::bit_cast<std::uint32_t>(squared[i])) << 32 | (number * kBlock + i));
-    }
-    if (search.keys.size() >= 2 * std::size_t(query.count))
-        search.limit = nearest(query.count, search.keys, search.work);
+    return addNear(search, block.x, block.y, block.z, block.nx, block.ny, block.nz, number);
 }
 
-void PhotonMap::descend(Search& search, std::uint32_t firstBlock, std::uint32_t blocks, std::uint32_t node,
-                        glm::vec3 offset, float squared) const
+void PhotonMap::scan(Search& search, std::uint32_t number) const
 {
-    if (squared > search.limit) return;
-    if (blocks == 1) return scan(search, firstBlock);
-    const Node here = nodes_[node];
-    const float beyond = search.query.centre[here.axis] - here.split;
-    const std::uint32_t left = leftBlocks(blocks);
-    // distance to the far half's box: replace what this axis contributed so far
-    const float old = offset[here.axis];
-    const float farSquared = squared - old * old + beyond * beyond;
-    glm::vec3 farOffset = offset;
-    farOffset[here.axis] = beyond;
-    if (beyond < 0.0f) {
-        descend(search, firstBlock, left, 2 * node + 1, offset, squared);
-        descend(search, firstBlock + left, blocks - left, 2 * node + 2, farOffset, farSquared);
-    } else {
-        descend(search, firstBlock + left, blocks - left, 2 * node + 2, offset, squared);
-        descend(search, firstBlock, left, 2 * node + 1, farOffset, farSquared);
+    search.found += addBlock(search, blocks_[number], number * kBlock);
+    if (search.found + kBlock > search.room) search.thin();
+}
+
+/// All photons within the root of `search.limit`, or so many of them that the nearest K are among them.
+void PhotonMap::collect(Search& search, BoxGroups::Near& near) const
+{
+    const glm::vec3 centre(search.centre[0], search.centre[1], search.centre[2]);
+    search.found = 0;
+    std::span<std::uint64_t> blocks = boxes_.within(centre, search.limit, near);
+    const std::size_t few = 8 + search.wanted / 8;
+    if (blocks.size() > 4 * few) { // too many by far: the nearest ones tell how far off the K-th photon is at most
+        std::ranges::nth_element(blocks, blocks.begin() + static_cast<std::ptrdiff_t>(few));
+        for (const std::uint64_t key : blocks.first(few)) scan(search, static_cast<std::uint32_t>(key));
+        if (search.found >= search.wanted) search.thin();
+        search.found = 0;
+        blocks = boxes_.within(centre, search.limit, near);
+    }
+    for (const std::uint64_t key : blocks) {
+        if (squaredOf(key) <= search.limit) scan(search, static_cast<std::uint32_t>(key));
     }
 }
 
@@ -215,26 +218,40 @@ void PhotonMap::gather(const GatherQuery& query, Gathered& out) const
     out.radius = query.radius;
     out.isFull = false;
     if (blocks_.empty() || query.count == 0) return;
-    // if the guess holds enough photons it holds the nearest; if not, the search begins again without it
-    const bool isGuessed = out.expected > 0.0f && out.expected < query.radius;
-    if (isGuessed) collect(query, out.expected, out);
-    if (!isGuessed || out.keys.size() < query.count) {
-        out.keys.clear();
-        collect(query, query.radius, out);
+    const std::size_t wanted = std::min<std::size_t>(query.count, size()), room = 2 * wanted + 4 * kBlock;
+    out.candidates.resize(std::max(out.candidates.size(), room));
+    Search search{{query.centre.x, query.centre.y, query.centre.z},
+                  {query.normal.x, query.normal.y, query.normal.z},
+                  query.stretch * query.stretch - 1.0f,
+                  query.leastCosine,
+                  0.0f,
+                  wanted,
+                  room,
+                  out.candidates.data(),
+                  0,
+                  out.work};
+    // if a guess holds enough photons it holds the nearest; if not, the search begins again with a wider one
+    float radius = out.expected > 0.0f ? out.expected : everyRadius_ * std::sqrt(static_cast<float>(wanted));
+    while (true) {
+        const bool isLast = !(radius > 0.0f && radius < query.radius);
+        if (isLast) radius = query.radius;
+        search.limit = std::min(radius * radius, std::numeric_limits<float>::max()); // empty places stay outside
+        collect(search, out.near);
+        if (isLast || search.found >= wanted) break;
+        radius *= 1.2f * std::sqrt(static_cast<float>(wanted + kBlock) / static_cast<float>(search.found + 1));
     }
-    if (out.keys.size() >= query.count) {
-        out.radius = std::sqrt(nearest(query.count, out.keys, out.work));
+    if (search.found >= query.count) {
+        search.thin();
+        out.radius = std::sqrt(search.limit);
         out.expected = 1.1f * out.radius;
         out.isFull = true;
     }
-    out.photons.resize(out.keys.size());
-    for (std::size_t i = 0; i < out.keys.size(); ++i) out.photons[i] = static_cast<std::uint32_t>(out.keys[i]);
-}
-
-void PhotonMap::collect(const GatherQuery& query, float radius, Gathered& out) const
-{
-    Search search{query, query.stretch * query.stretch - 1.0f, radius * radius, out.keys, out.work};
-    descend(search, 0, static_cast<std::uint32_t>(blocks_.size()), 0, glm::vec3(0.0f), 0.0f);
+    out.keys.assign(search.keys, search.keys + search.found);
+    out.photons.resize(search.found);
+    for (std::size_t i = 0; i < search.found; ++i) {
+        out.photons[i] = static_cast<std::uint32_t>(out.keys[i]);
+        __builtin_prefetch(&paths_.photons[out.photons[i]]); // whoever gathers looks at them next
+    }
 }
 
 } // namespace lightloom

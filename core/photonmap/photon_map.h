@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include "core/photonmap/box_groups.h"
 #include "core/trace/photon_tracer.h"
 #include <cstdint>
 #include <vector>
@@ -17,21 +18,22 @@ struct GatherQuery {
     std::uint32_t count = 100; ///< K: the nearest that many
 };
 
-/// What a gather found: always the same photons in the same order, the tree's from near to far.
+/// What a gather found: always the same photons in the same order, that of their numbers.
 struct Gathered {
     std::vector<std::uint32_t> photons; ///< numbers for PhotonMap::photon
     float radius = 0.0f;                ///< of the kernel: distance of the K-th photon, or the cap if fewer were there
     bool isFull = false;                ///< K photons were found
-    std::vector<std::uint64_t> keys; ///< the same as (bits of the squared distance as float) << 32 | number; order as
-                                     ///< in `photons`; kept between gathers of one thread
-    std::vector<std::uint64_t> work; ///< for selections
+    std::vector<std::uint64_t> keys;    ///< the same with their distances (least_keys.h), in the same order
+    std::vector<std::uint64_t> candidates, work; ///< memory of searches
+    BoxGroups::Near near;                        ///< memory of searches
     /// A guess at the next radius, from the last gather: saves time where queries lie close, and changes nothing else.
     float expected = 0.0f;
 };
 
-/// kd-tree over one light group's photons: blocks of 16 in structure-of-arrays form under an implicit tree of median
-/// splits, candidates kept as (distance, number) keys and thinned by selection, not by a heap. Photons lie, and are
-/// numbered, in the tree's order, so that those of a kernel lie together. Any thread may query.
+/// kd-tree over one light group's photons: blocks of 16 in structure-of-arrays form, made by median splits and found by
+/// their boxes, eight boxes at a time; candidates kept as keys of (distance, number) and thinned by selection, not by a
+/// heap. Photons lie, and are numbered, in the tree's order, so that those of a kernel lie together. Any thread may
+/// query.
 class PhotonMap {
 public:
     /// Builds the tree, O(n log n). Null: stopped.
@@ -56,26 +58,22 @@ private:
         float x[kBlock], y[kBlock], z[kBlock];
         float nx[kBlock], ny[kBlock], nz[kBlock];
     };
-    struct Node {
-        float split = 0.0f;
-        std::int32_t axis = 0;
-    };
     struct Record;
     struct Search;
     PhotonMap() = default;
     bool takeInOrder(const PhotonPaths& paths, const std::vector<Record>& records, const std::stop_token& stop);
-    void split(std::vector<Record>& records, std::uint32_t firstBlock, std::uint32_t blocks, std::uint32_t node,
-               const std::stop_token& stop);
-    void fill(std::uint32_t block);
-    void descend(Search& search, std::uint32_t firstBlock, std::uint32_t blocks, std::uint32_t node, glm::vec3 offset,
-                 float squared) const;
-    void collect(const GatherQuery& query, float radius, Gathered& out) const;
+    static void split(std::vector<Record>& records, std::uint32_t firstBlock, std::uint32_t blocks,
+                      const std::stop_token& stop);
+    BoxGroups::Box fill(std::uint32_t block);
+    void collect(Search& search, BoxGroups::Near& near) const;
     void scan(Search& search, std::uint32_t block) const;
+    static std::size_t addBlock(const Search& search, const Block& block, std::uint32_t number);
 
     PhotonPaths paths_;
     std::vector<std::uint32_t> origin_;
     std::vector<Block> blocks_;
-    std::vector<Node> nodes_; // implicit: children of n are 2n+1 and 2n+2
+    BoxGroups boxes_;          // of the blocks
+    float everyRadius_ = 0.0f; // that would hold one photon if all lay on the wall of a ball around the scene
 };
 
 } // namespace lightloom

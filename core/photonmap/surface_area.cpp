@@ -75,6 +75,7 @@ private:
         const std::array corners{inPlane(at.a), inPlane(at.b), inPlane(at.c)};
         const glm::dvec2 tx = flat(x), ty = flat(y), shift = flat(height * n);
         const double inside = depthInside(corners);
+        if (inside * inside >= squared(whole - 1) && inside < 0.0) return; // all beyond one of its edges
         for (std::size_t j = whole; j-- > 0;) {
             const double disc = squared(j) - height * height;
             if (!(disc > 0.0)) return;
@@ -94,79 +95,63 @@ private:
 
 } // namespace
 
-SurfaceArea::SurfaceArea(const LightReach& reach) : facets_(reach.facets()), total_(reach.area()) {}
+SurfaceArea::SurfaceArea(const LightReach& reach) : facets_(reach.fewerFacets()), total_(reach.area()) {}
 
 std::shared_ptr<const SurfaceArea> SurfaceArea::build(const LightReach& reach, const std::stop_token& stop)
 {
     const std::shared_ptr<SurfaceArea> made(new SurfaceArea(reach));
     const auto count = static_cast<std::uint32_t>(made->facets_.size());
-    if (count > 0) made->split(0, count, stop);
+    if (count > 0) made->order(0, count, stop);
     if (stop.stop_requested()) return nullptr;
+    made->blocks_.reserve((count + FacetBlock::kCount - 1) / FacetBlock::kCount);
+    std::vector<BoxGroups::Box> boxes;
+    for (std::uint32_t first = 0; first < count; first += FacetBlock::kCount) {
+        const auto facets =
+            std::span(made->facets_).subspan(first).first(std::min<std::size_t>(FacetBlock::kCount, count - first));
+        made->blocks_.emplace_back(facets);
+        BoxGroups::Box box;
+        for (const ReachedFacet& f : facets) box.add(f.a), box.add(f.b), box.add(f.c);
+        boxes.push_back(box);
+    }
+    made->boxes_ = BoxGroups(boxes);
     return made;
 }
 
-std::uint32_t SurfaceArea::split(std::uint32_t first, std::uint32_t last, const std::stop_token& stop)
+/// Parts lists at the median of their longest side, between blocks, so that all blocks but the last are full.
+void SurfaceArea::order(std::uint32_t first, std::uint32_t last, const std::stop_token& stop)
 {
-    constexpr std::uint32_t kLeaf = FacetBlock::kCount, kLong = 16'384; // a long list looks at the stop
-    glm::vec3 low(std::numeric_limits<float>::max()), high(-low), lowCentre(low), highCentre(high);
-    for (std::uint32_t i = first; i < last; ++i) {
-        const ReachedFacet& f = facets_[i];
-        low = glm::min(low, glm::min(f.a, glm::min(f.b, f.c)));
-        high = glm::max(high, glm::max(f.a, glm::max(f.b, f.c)));
-        const glm::vec3 centre = (f.a + f.b + f.c) / 3.0f;
-        lowCentre = glm::min(lowCentre, centre);
-        highCentre = glm::max(highCentre, centre);
-    }
-    const auto node = static_cast<std::uint32_t>(boxes_.size());
-    boxes_.push_back({low, high, first, last - first, 0});
-    if (last - first <= kLeaf) {
-        boxes_.back().block = static_cast<std::uint32_t>(blocks_.size());
-        blocks_.emplace_back(std::span(facets_.data() + first, last - first));
-        return node;
-    }
-    if (last - first > kLong && stop.stop_requested()) return node;
-
-    const glm::vec3 size = highCentre - lowCentre;
+    constexpr std::uint32_t kBlock = FacetBlock::kCount, kLong = 16'384; // a long list looks at the stop
+    const std::uint32_t blocks = (last - first + kBlock - 1) / kBlock;
+    if (blocks <= 1 || (last - first > kLong && stop.stop_requested())) return;
+    BoxGroups::Box centres;
+    for (std::uint32_t i = first; i < last; ++i) centres.add((facets_[i].a + facets_[i].b + facets_[i].c) / 3.0f);
+    const glm::vec3 size = centres.high - centres.low;
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
-    const std::uint32_t middle = first + (last - first) / 2;
+    const std::uint32_t middle = first + BoxGroups::firstPart(blocks) * kBlock;
     const auto isBefore = [axis](const ReachedFacet& a, const ReachedFacet& b) {
         return a.a[axis] + a.b[axis] + a.c[axis] < b.a[axis] + b.b[axis] + b.c[axis];
     };
     const auto at = [this](std::uint32_t i) { return facets_.begin() + i; };
-    if (!selectNth(at(first), at(middle), at(last), isBefore, stop)) return node;
-    split(first, middle, stop);
-    const std::uint32_t right = split(middle, last, stop);
-    boxes_[node].first = right;
-    boxes_[node].count = 0;
-    return node;
+    if (!selectNth(at(first), at(middle), at(last), isBefore, stop)) return;
+    order(first, middle, stop);
+    order(middle, last, stop);
 }
 
 void SurfaceArea::under(const KernelPlace& place, std::span<const float> radii, std::span<AreaMoments> out) const
 {
     assert(radii.size() <= kMostRadii && out.size() == radii.size());
     KernelSum sum(place, radii, out);
-    if (boxes_.empty() || radii.empty()) return;
+    if (blocks_.empty() || radii.empty()) return;
     const Frame frame(place.normal);
     BlockSums small(place.centre, place.normal, frame.tangent, frame.bitangent, place.stretch, place.leastCosine,
                     kSmall * radii.front(), radii);
-    const float r2 = radii.back() * radii.back();
-    std::uint32_t stack[64];
-    int depth = 0;
-    stack[depth++] = 0;
-    while (depth > 0) {
-        const std::uint32_t node = stack[--depth];
-        const Box& box = boxes_[node];
-        // the ellipsoid lies within the ball
-        const glm::vec3 gap = glm::max(glm::max(box.low - place.centre, place.centre - box.high), glm::vec3(0.0f));
-        if (glm::dot(gap, gap) > r2) continue;
-        if (box.count == 0) {
-            stack[depth++] = box.first;
-            stack[depth++] = node + 1;
-            continue;
-        }
-        for (unsigned large = small.add(blocks_[box.block]); large != 0; large &= large - 1) {
-            sum.add(facets_[box.first + static_cast<std::uint32_t>(std::countr_zero(large))]);
-        }
+    thread_local BoxGroups::Near near;
+    // the ellipsoid lies within the ball
+    for (const std::uint64_t key : boxes_.within(place.centre, radii.back() * radii.back(), near)) {
+        const auto block = static_cast<std::uint32_t>(key);
+        std::uint32_t large[FacetBlock::kCount];
+        const std::size_t count = small.add(blocks_[block], block * FacetBlock::kCount, large);
+        for (std::size_t i = 0; i < count; ++i) sum.add(facets_[large[i]]);
     }
     sum.finish();
     for (std::size_t j = 0; j < radii.size(); ++j) out[j] += small.sum(j);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include "core/photonmap/box_groups.h"
 #include "core/photonmap/facet_blocks.h"
 #include "core/trace/light_reach.h"
 #include <array>
@@ -13,8 +14,8 @@ struct KernelPlace {
     float leastCosine = 0.5f; ///< between the surface's normal and `normal`
 };
 
-/// The scene's reached surface as a bounding-volume tree, to ask how much of it lies under a gather kernel. Density
-/// estimation divides by this: pi r^2 is wrong by half at every edge (METHODS section 2). Any thread may ask.
+/// The scene's reached surface in blocks of eight facets that lie together, to ask how much lies under a gather kernel.
+/// Density estimation divides by this: pi r^2 is wrong by half at every edge (METHODS section 2). Any thread may ask.
 class SurfaceArea {
 public:
     /// O(n log n). Null: stopped.
@@ -34,17 +35,12 @@ public:
     [[nodiscard]] double total() const { return total_; } ///< of all reached sides, m2
 
 private:
-    struct Box {
-        glm::vec3 low, high;
-        std::uint32_t first, count; // facets; count 0: inner node, `first` is the right child, the left one follows
-        std::uint32_t block;        // leaves: of the same facets
-    };
     explicit SurfaceArea(const LightReach& reach);
-    std::uint32_t split(std::uint32_t first, std::uint32_t last, const std::stop_token& stop);
+    void order(std::uint32_t first, std::uint32_t last, const std::stop_token& stop);
 
-    std::vector<ReachedFacet> facets_; // in the tree's order
+    std::vector<ReachedFacet> facets_; // ordered so that eight by eight lie together
     std::vector<FacetBlock> blocks_;
-    std::vector<Box> boxes_;
+    BoxGroups boxes_; // of the blocks
     double total_ = 0.0;
 };
 

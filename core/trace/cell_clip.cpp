@@ -72,13 +72,15 @@ void split(const Polygon& polygon, int axis, double at, Polygon& below, Polygon&
     }
 }
 
+/// `Visit` takes a part and its depth; `IsOne` says which cells are not halved further, whatever their depth.
+template<class Visit, class IsOne>
 class Clipper {
     static constexpr int kLevelsAtOnce = 5; // a thousand cells, less than a millisecond between looks at the stop
 
 public:
-    Clipper(const CellLattice& lattice, const std::function<void(const CellPolygon&)>& visit,
-            const std::stop_token& stop, const std::optional<CellsWithin>& within = {})
-        : lattice_(lattice), visit_(visit), stop_(stop), within_(within), lowest_(lattice.lowest),
+    Clipper(const CellLattice& lattice, const IsOne& isOne, const Visit& visit, const std::stop_token& stop,
+            const std::optional<CellsWithin>& within = {})
+        : lattice_(lattice), isOne_(isOne), visit_(visit), stop_(stop), within_(within), lowest_(lattice.lowest),
           size_(static_cast<double>(lattice.rootSize))
     {
     }
@@ -98,7 +100,7 @@ private:
     {
         if (polygon.count < 3) return;
         if (within_ && depth == within_->depth && !std::ranges::binary_search(within_->cells, mortonCode(cell))) return;
-        if (depth == lattice_.depth) return emit(polygon, cell);
+        if (depth == lattice_.depth || isOne_(cell, depth)) return emit(polygon, cell, depth);
         if (lattice_.depth - depth == kLevelsAtOnce && stop_.stop_requested()) return;
         const double half = 1.0 / static_cast<double>(2u << depth);
         Polygon x[2], y[2], z[2];
@@ -117,7 +119,7 @@ private:
         }
     }
 
-    void emit(Polygon polygon, glm::uvec3 cell)
+    void emit(Polygon polygon, glm::uvec3 cell, int depth)
     {
         CellPolygon part;
         const glm::dvec3 centre = polygon.centroid(part.area);
@@ -130,16 +132,19 @@ private:
         part.corners = std::span(polygon.points).first(static_cast<std::size_t>(polygon.count));
         part.area *= size_ * size_;
         part.centroid = lowest_ + centre * size_;
-        visit_(part);
+        visit_(part, depth);
     }
 
     const CellLattice& lattice_;
-    const std::function<void(const CellPolygon&)>& visit_;
+    const IsOne& isOne_;
+    const Visit& visit_;
     const std::stop_token& stop_;
     std::optional<CellsWithin> within_;
     glm::dvec3 lowest_;
     double size_;
 };
+
+constexpr auto kAllHalved = [](glm::uvec3, int) { return false; };
 
 } // namespace
 
@@ -163,7 +168,16 @@ CellLattice latticeOver(const Bounds& bounds, int depth, float shift)
 void clipTriangle(glm::vec3 a, glm::vec3 b, glm::vec3 c, const CellLattice& lattice,
                   const std::function<void(const CellPolygon&)>& visit, const std::stop_token& stop)
 {
-    Clipper(lattice, visit, stop).add(a, b, c);
+    const auto visitPart = [&](const CellPolygon& part, int) { visit(part); };
+    Clipper(lattice, kAllHalved, visitPart, stop).add(a, b, c);
+}
+
+void clipTriangle(glm::vec3 a, glm::vec3 b, glm::vec3 c, const CellLattice& lattice,
+                  const std::function<bool(glm::uvec3, int)>& isOne,
+                  const std::function<void(const CellPolygon&, int depth)>& visit)
+{
+    const std::stop_token never;
+    Clipper(lattice, isOne, visit, never).add(a, b, c);
 }
 
 CellPieces clipToCells(const std::vector<ReachedFacet>& facets, const CellLattice& lattice, Workers& workers,
@@ -175,11 +189,11 @@ CellPieces clipToCells(const std::vector<ReachedFacet>& facets, const CellLattic
     const bool all = workers.run(blocks, stop, [&](std::size_t block) {
         for (std::size_t f = block * kBlock; f < std::min(facets.size(), (block + 1) * kBlock); ++f) {
             if (stop.stop_requested()) return;
-            const std::function<void(const CellPolygon&)> keep = [&](const CellPolygon& part) {
+            const auto keep = [&](const CellPolygon& part, int) {
                 parts[block].push_back({mortonCode(part.cell), static_cast<std::uint32_t>(f),
                                         static_cast<float>(part.area), glm::vec3(part.centroid)});
             };
-            Clipper(lattice, keep, stop, within).add(facets[f].a, facets[f].b, facets[f].c);
+            Clipper(lattice, kAllHalved, keep, stop, within).add(facets[f].a, facets[f].b, facets[f].c);
         }
     }) && !stop.stop_requested();
     if (!all) return {};

@@ -34,6 +34,11 @@ struct CellPolygon {
 /// left out.
 void clipTriangle(glm::vec3 a, glm::vec3 b, glm::vec3 c, const CellLattice& lattice,
                   const std::function<void(const CellPolygon&)>& visit, const std::stop_token& stop = {});
+/// The same, but cells of coarser depths for which `isOne(cell, depth)` are not halved further: `cell` of what is
+/// visited there counts in their depth.
+void clipTriangle(glm::vec3 a, glm::vec3 b, glm::vec3 c, const CellLattice& lattice,
+                  const std::function<bool(glm::uvec3, int)>& isOne,
+                  const std::function<void(const CellPolygon&, int depth)>& visit);
 
 /// The part of one reached facet inside one cell.
 struct CellPiece {

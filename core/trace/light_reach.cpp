@@ -92,9 +92,25 @@ LightReach::of(const SideElements& elements, const std::vector<std::uint8_t>& is
 {
     auto reach = std::make_shared<LightReach>();
     const auto listed = [&](std::uint32_t e) { return isReached[e] != 0; };
-    if (!elements.listFacets(listed, stop, reach->facets_)) return nullptr;
+    if (!elements.listFacets(listed, stop, reach->facets_, reach->joined_)) return nullptr;
     for (const ReachedFacet& f : reach->facets_) reach->area_ += areaOf(f);
     return reach;
+}
+
+std::vector<ReachedFacet> LightReach::fewerFacets() const
+{
+    std::vector<ReachedFacet> fewer;
+    auto next = joined_.begin();
+    for (std::size_t i = 0; i < facets_.size(); ++i) {
+        const std::uint32_t side = facets_[i].side;
+        if (next == joined_.end() || next->side != side) {
+            fewer.push_back(facets_[i]);
+            continue;
+        }
+        for (; next != joined_.end() && next->side == side; ++next) fewer.push_back(*next);
+        while (i + 1 < facets_.size() && facets_[i + 1].side == side) ++i;
+    }
+    return fewer;
 }
 
 std::vector<SurfacePoint> samplePoints(const RayScene& rays, const LightSampler& lights, const LightReach& reach,

@@ -23,10 +23,13 @@ public:
     [[nodiscard]] static std::vector<std::uint8_t> everything(const SideElements& elements);
 
     [[nodiscard]] const std::vector<ReachedFacet>& facets() const { return facets_; }
+    /// The same surface in fewer facets: parts of a large triangle make up larger ones.
+    [[nodiscard]] std::vector<ReachedFacet> fewerFacets() const;
     [[nodiscard]] double area() const { return area_; } ///< m2, of all facets
 
 private:
     std::vector<ReachedFacet> facets_; // rising sides
+    std::vector<ReachedFacet> joined_; // of the sides that are reached in parts, rising
     double area_ = 0.0;
 };
 

@@ -249,7 +249,7 @@ bool SideElements::sample(std::uint32_t element, Rng& rng, glm::vec3& p, glm::ve
     const float u1 = rng.uniform(), u2 = rng.uniform();
     const glm::vec2 w = sampleTriangle(u1, u2);
     p = a * (1.0f - w.x - w.y) + b * w.x + c * w.y;
-    n = rays_.triangleNormal(side / 2) * (side % 2 ? -1.0f : 1.0f);
+    n = normalOf(side);
     return n != glm::vec3(0.0f) && isOffEdges(rays_.triangle(side / 2), p, n, kFromEdges * rays_.offset());
 }
 
@@ -258,20 +258,52 @@ bool SideElements::canFace(std::uint32_t element, glm::vec3 p, glm::vec3 n) cons
     if (!isPart_[element]) return true;
     const Part& part = parts_[members_[element][0]];
     const std::uint32_t side = members_[element][1];
-    const glm::vec3 own = rays_.triangleNormal(side / 2) * (side % 2 ? -1.0f : 1.0f);
+    const glm::vec3 own = normalOf(side);
     const glm::vec3* corner = corners_.data() + part.firstCorner;
     if (!(glm::dot(p - corner[0], own) > 0.0f)) return false; // behind the plane it lies in
     return std::any_of(corner, corner + part.corners,
                        [&](glm::vec3 c) { return glm::dot(c - p, n) > -2.0f * rays_.offset(); });
 }
 
+void SideElements::addJoined(std::uint32_t side, const std::function<bool(std::uint32_t)>& isReached,
+                             std::vector<ReachedFacet>& joined) const
+{
+    const auto parts = std::span(parts_).subspan(sides_[side].first, sides_[side].count);
+    std::vector<std::uint32_t> reachedBefore{0}; // each part
+    for (const Part& part : parts) reachedBefore.push_back(reachedBefore.back() + (isReached(part.element) ? 1 : 0));
+    struct Share {
+        std::size_t parts, reached;
+    };
+    const auto within = [&](glm::uvec3 cell, int depth) {
+        const int finer = 3 * (lattice_.depth - depth);
+        const std::uint64_t code = mortonCode(cell);
+        const auto place = [&](std::uint64_t c) {
+            return static_cast<std::size_t>(std::ranges::lower_bound(parts, c, {}, &Part::cell) - parts.begin());
+        };
+        const std::size_t first = place(code << finer), last = place((code + 1) << finer);
+        return Share{last - first, reachedBefore[last] - reachedBefore[first]};
+    };
+    const auto isOne = [&](glm::uvec3 cell, int depth) {
+        const Share share = within(cell, depth);
+        return share.reached == 0 || share.reached == share.parts;
+    };
+    const SceneTriangle& t = rays_.triangle(side / 2);
+    clipTriangle(t.a, t.b, t.c, lattice_, isOne, [&](const CellPolygon& polygon, int depth) {
+        if (within(polygon.cell, depth).reached == 0) return;
+        for (std::size_t i = 1; i + 1 < polygon.corners.size(); ++i) {
+            joined.push_back({glm::vec3(polygon.corners[0]), glm::vec3(polygon.corners[i]),
+                              glm::vec3(polygon.corners[i + 1]), normalOf(side), side});
+        }
+    });
+}
+
 bool SideElements::listFacets(const std::function<bool(std::uint32_t)>& isReached, const std::stop_token& stop,
-                              std::vector<ReachedFacet>& facets) const
+                              std::vector<ReachedFacet>& facets, std::vector<ReachedFacet>& joined) const
 {
     for (std::uint32_t side = 0; side < sides_.size(); ++side) {
         if (endsAt(side, stop)) return false;
         const SceneTriangle& t = rays_.triangle(side / 2);
-        const glm::vec3 n = rays_.triangleNormal(side / 2) * (side % 2 ? -1.0f : 1.0f);
+        const glm::vec3 n = normalOf(side);
         if (n == glm::vec3(0.0f)) continue;
         const Range range = sides_[side];
         if (range.count == 0) {
@@ -284,6 +316,7 @@ bool SideElements::listFacets(const std::function<bool(std::uint32_t)>& isReache
             facets.push_back({t.a, t.b, t.c, n, side});
             continue;
         }
+        addJoined(side, isReached, joined);
         for (auto x = part; x != part + range.count; ++x) {
             if (!reached(*x)) continue;
             for (std::uint32_t i = 1; i + 1 < x->corners; ++i) {

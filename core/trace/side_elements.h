@@ -24,9 +24,10 @@ public:
     /// `p` and see it before itself. Cheap; true where it is not sure, and always for elements of small triangles.
     [[nodiscard]] bool canFace(std::uint32_t element, glm::vec3 p, glm::vec3 n) const;
     /// Adds the facets of the elements for which `isReached`, in rising order of sides; large triangles that are
-    /// reached as a whole stay whole. False: stopped.
+    /// reached as a whole stay whole. `joined` gets those of the others again, cells joined to larger ones as far as
+    /// all of these are reached. False: stopped.
     [[nodiscard]] bool listFacets(const std::function<bool(std::uint32_t)>& isReached, const std::stop_token& stop,
-                                  std::vector<ReachedFacet>& facets) const;
+                                  std::vector<ReachedFacet>& facets, std::vector<ReachedFacet>& joined) const;
 
 private:
     struct Part { // of a large triangle's side
@@ -39,7 +40,13 @@ private:
     };
     [[nodiscard]] bool isLarge(const SceneTriangle& t) const;
     explicit SideElements(const RayScene& rays);
+    [[nodiscard]] glm::vec3 normalOf(std::uint32_t side) const
+    {
+        return rays_.triangleNormal(side / 2) * (side % 2 ? -1.0f : 1.0f);
+    }
     void cut(std::uint32_t triangle);
+    void addJoined(std::uint32_t side, const std::function<bool(std::uint32_t)>& isReached,
+                   std::vector<ReachedFacet>& joined) const;
     void addSmall(std::uint32_t side, std::uint32_t& element); ///< to its surface's element, made at the first of them
 
     const RayScene& rays_;
