@@ -314,7 +314,9 @@ std::vector<InstanceLook> instanceLooks(const Scene& scene)
         if (isTextured || !mesh.colors.empty()) continue;
         const MaterialValues values{glm::vec3(m.baseColor), m.metallic, m.roughness, m.emission};
         const Surface front = surfaceOf(m, values, true);
-        looks[i] = {true, !front.isSeenInto(), front, surfaceOf(m, values, false)};
+        const float survival = glm::min(1.0f, Surface::maxChannel3(front.diffuse));
+        const glm::vec3 kept = survival > 0.0f ? front.diffuse / survival : glm::vec3(0.0f);
+        looks[i] = {true, !front.isSeenInto(), front, surfaceOf(m, values, false), survival, kept};
     }
     return looks;
 }

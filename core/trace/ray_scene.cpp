@@ -217,7 +217,7 @@ try {
 }
 
 RayScene::RayScene(std::shared_ptr<const State> state, std::shared_ptr<const Scene> scene)
-    : state_(std::move(state)), scene_(std::move(scene)),
+    : state_(std::move(state)), scene_(std::move(scene)), triangles_(state_->triangles.data()),
       // an empty or single-point scene still needs a positive step
       offset_(glm::max(1e-5f * scene_->bounds.diagonal(), std::numeric_limits<float>::min() * 1e6f)),
       looks_(instanceLooks(*scene_))
@@ -232,7 +232,6 @@ std::shared_ptr<const RayScene> RayScene::withScene(std::shared_ptr<const Scene>
 RayScene::~RayScene() = default;
 
 std::uint32_t RayScene::triangleCount() const { return static_cast<std::uint32_t>(state_->triangles.size()); }
-const SceneTriangle& RayScene::triangle(std::uint32_t index) const { return state_->triangles[index]; }
 std::uint32_t RayScene::firstTriangle(std::uint32_t instance) const { return state_->firstTriangle[instance]; }
 std::string_view RayScene::isaName() const { return state_->isa; }
 void* RayScene::embreeScene() const { return state_->tree.get(); }
@@ -251,17 +250,6 @@ const Material& RayScene::material(std::uint32_t index) const
     return scene_->materials[static_cast<std::size_t>(mesh.material)];
 }
 
-void RayScene::fill(Hit& hit, unsigned instance, unsigned primitive, glm::vec2 b, glm::vec3 travel) const
-{
-    hit.triangle = state_->firstTriangle[instance] + primitive;
-    hit.instance = instance;
-    hit.barycentric = b;
-    const SceneTriangle& t = state_->triangles[hit.triangle];
-    hit.position = t.a * (1.0f - b.x - b.y) + t.b * b.x + t.c * b.y;
-    hit.normal = t.normal;
-    hit.isFront = glm::dot(hit.normal, travel) < 0.0f;
-}
-
 bool RayScene::intersect(glm::vec3 origin, glm::vec3 travel, float most, Hit& hit) const
 {
     if (!isFinite(origin) || !isFinite(travel)) return false; // Embree does not filter NaN
@@ -276,24 +264,28 @@ bool RayScene::intersect(glm::vec3 origin, glm::vec3 travel, float most, Hit& hi
 
     hit.distance = query.ray.tfar;
     const unsigned instance = query.hit.instID[0] != RTC_INVALID_GEOMETRY_ID ? query.hit.instID[0] : query.hit.geomID;
-    fill(hit, instance, query.hit.primID, {query.hit.u, query.hit.v}, travel);
+    hit.triangle = state_->firstTriangle[instance] + query.hit.primID;
+    hit.instance = instance;
+    hit.barycentric = {query.hit.u, query.hit.v};
+    placeOn(triangles_[hit.triangle], travel, hit);
     return true;
 }
 
-unsigned RayScene::intersect(const std::array<Ray, kTogether>& rays, unsigned wanted,
-                             std::array<Hit, kTogether>& hits) const
+void RayScene::intersect(const Rays8& rays, std::size_t count, Met8& met) const
 {
-    static_assert(kTogether == 8);
-    alignas(32) std::array<int, kTogether> valid;
+    constexpr std::size_t n = Rays8::kCount;
+    static_assert(n == 8);
+    alignas(32) std::array<int, n> valid;
     RTCRayHit8 query;
-    for (std::size_t i = 0; i < kTogether; ++i) {
-        const Ray& ray = rays[i];
-        const bool isTraced = (wanted >> i & 1u) != 0 && isFinite(ray.origin) && isFinite(ray.travel);
-        valid[i] = isTraced ? -1 : 0;
-        query.ray.org_x[i] = ray.origin.x, query.ray.org_y[i] = ray.origin.y, query.ray.org_z[i] = ray.origin.z;
-        query.ray.dir_x[i] = ray.travel.x, query.ray.dir_y[i] = ray.travel.y, query.ray.dir_z[i] = ray.travel.z;
+    const auto& [ox, oy, oz] = rays.origin;
+    const auto& [dx, dy, dz] = rays.travel;
+    for (std::size_t i = 0; i < n; ++i) {
+        query.ray.org_x[i] = ox[i], query.ray.org_y[i] = oy[i], query.ray.org_z[i] = oz[i];
+        query.ray.dir_x[i] = dx[i], query.ray.dir_y[i] = dy[i], query.ray.dir_z[i] = dz[i];
+        const float zero = (ox[i] + oy[i] + oz[i] + dx[i] + dy[i] + dz[i]) * 0.0f; // NaN unless all are finite
+        valid[i] = zero == 0.0f && i < count ? -1 : 0;
         query.ray.tnear[i] = query.ray.time[i] = 0.0f;
-        query.ray.tfar[i] = isTraced ? std::numeric_limits<float>::infinity() : -1.0f;
+        query.ray.tfar[i] = valid[i] != 0 ? std::numeric_limits<float>::infinity() : -1.0f;
         query.ray.mask[i] = 0xFFFFFFFFu;
         query.ray.id[i] = query.ray.flags[i] = 0;
         query.hit.geomID[i] = query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
@@ -301,16 +293,17 @@ unsigned RayScene::intersect(const std::array<Ray, kTogether>& rays, unsigned wa
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     rtcIntersect8(valid.data(), state_->tree.get(), &context, &query);
-    unsigned met = 0;
-    for (std::size_t i = 0; i < kTogether; ++i) {
+    const std::uint32_t* firstTriangle = state_->firstTriangle.data();
+    for (std::size_t i = 0; i < n; ++i) {
+        met.u[i] = query.hit.u[i], met.v[i] = query.hit.v[i];
+        met.distance[i] = query.ray.tfar[i];
         const unsigned geometry = query.hit.geomID[i], place = query.hit.instID[0][i];
-        if (valid[i] == 0 || geometry == RTC_INVALID_GEOMETRY_ID) continue;
-        met |= 1u << i;
-        hits[i].distance = query.ray.tfar[i];
-        fill(hits[i], place != RTC_INVALID_GEOMETRY_ID ? place : geometry, query.hit.primID[i],
-             {query.hit.u[i], query.hit.v[i]}, rays[i].travel);
+        met.triangle[i] = Met8::kNothing;
+        if (geometry == RTC_INVALID_GEOMETRY_ID) continue;
+        met.instance[i] = place != RTC_INVALID_GEOMETRY_ID ? place : geometry;
+        met.triangle[i] = firstTriangle[met.instance[i]] + query.hit.primID[i];
+        __builtin_prefetch(triangles_ + met.triangle[i]);
     }
-    return met;
 }
 
 bool RayScene::isBlocked(glm::vec3 origin, glm::vec3 travel, float most) const

@@ -31,6 +31,20 @@ struct Ray {
     glm::vec3 origin{0.0f}, travel{0.0f, 0.0f, -1.0f}; ///< `travel` unit
 };
 
+/// Eight rays side by side.
+struct alignas(32) Rays8 {
+    static constexpr std::size_t kCount = 8;
+    float origin[3][kCount], travel[3][kCount]; ///< `travel` unit
+    [[nodiscard]] glm::vec3 travelOf(std::size_t i) const { return {travel[0][i], travel[1][i], travel[2][i]}; }
+};
+
+/// What they met.
+struct alignas(32) Met8 {
+    static constexpr std::uint32_t kNothing = 0xFFFFFFFFu;
+    std::uint32_t triangle[Rays8::kCount], instance[Rays8::kCount]; ///< as in Hit; `triangle` may be kNothing
+    float u[Rays8::kCount], v[Rays8::kCount], distance[Rays8::kCount];
+};
+
 /// One triangle in its place. A cache line each: a hit reads one.
 struct alignas(64) SceneTriangle {
     glm::vec3 a, b, c;      ///< scene space, in the order that faces front (mirrored instances are turned)
@@ -58,11 +72,20 @@ public:
 
     /// Nearest surface along `origin + t * travel`, t in (0, most). `travel` unit. False: none.
     [[nodiscard]] bool intersect(glm::vec3 origin, glm::vec3 travel, float most, Hit& hit) const;
-    /// The same for eight rays without an end at once: `hits[i]` for ray i where bit i of `wanted` is set. Returns the
-    /// bits of those that hit.
-    static constexpr std::size_t kTogether = 8;
-    [[nodiscard]] unsigned intersect(const std::array<Ray, kTogether>& rays, unsigned wanted,
-                                     std::array<Hit, kTogether>& hits) const;
+    /// The same for the first `count` of eight rays without an end. The triangles they met are on their way to the
+    /// processor then.
+    void intersect(const Rays8& rays, std::size_t count, Met8& met) const;
+    /// Where ray `i` met the surface that it met.
+    [[nodiscard]] Hit hitOf(const Rays8& rays, const Met8& met, std::size_t i) const
+    {
+        Hit hit;
+        hit.distance = met.distance[i];
+        hit.triangle = met.triangle[i];
+        hit.instance = met.instance[i];
+        hit.barycentric = {met.u[i], met.v[i]};
+        placeOn(triangles_[hit.triangle], rays.travelOf(i), hit);
+        return hit;
+    }
     /// True if anything opaque lies between the two points; both are taken as they are: move them off surfaces first.
     [[nodiscard]] bool isBlocked(glm::vec3 from, glm::vec3 to) const;
     /// The same along a direction, to distance `most`.
@@ -74,7 +97,7 @@ public:
     [[nodiscard]] float offset() const { return offset_; }
 
     [[nodiscard]] std::uint32_t triangleCount() const;
-    [[nodiscard]] const SceneTriangle& triangle(std::uint32_t index) const;
+    [[nodiscard]] const SceneTriangle& triangle(std::uint32_t index) const { return triangles_[index]; }
     [[nodiscard]] glm::vec3 triangleNormal(std::uint32_t index) const { return triangle(index).normal; }
     [[nodiscard]] float triangleArea(std::uint32_t index) const; ///< m2
     [[nodiscard]] std::uint32_t firstTriangle(std::uint32_t instance) const;
@@ -88,9 +111,17 @@ public:
 private:
     struct State;
     RayScene(std::shared_ptr<const State> state, std::shared_ptr<const Scene> scene);
-    void fill(Hit& hit, unsigned instance, unsigned primitive, glm::vec2 barycentric, glm::vec3 travel) const;
+    /// Sets position, normal and side of a hit on `t` at its barycentrics.
+    static void placeOn(const SceneTriangle& t, glm::vec3 travel, Hit& hit)
+    {
+        const glm::vec2 b = hit.barycentric;
+        hit.position = t.a * (1.0f - b.x - b.y) + t.b * b.x + t.c * b.y;
+        hit.normal = t.normal;
+        hit.isFront = glm::dot(hit.normal, travel) < 0.0f;
+    }
     std::shared_ptr<const State> state_;
     std::shared_ptr<const Scene> scene_;
+    const SceneTriangle* triangles_; // the state's
     float offset_;
     std::vector<InstanceLook> looks_; // by instance
 };

@@ -26,6 +26,8 @@ struct InstanceLook {
     bool isPlain = false;
     bool isMatte = false; ///< plain, and diffuse on both sides, nothing else
     Surface front, back;
+    float survival = 0.0f; ///< chance of roulette that a photon goes on from a matte surface: its largest channel
+    glm::vec3 kept{0.0f};  ///< of the flux of one that does: diffuse / survival; 0 on black
 };
 
 } // namespace lightloom
