@@ -17,6 +17,7 @@ layout(std140) uniform Lamps {
 };
 uniform int lightCount;
 uniform sampler2DArrayShadow flatShadows, cubeShadows;
+uniform mat3 cubeTurn;   // from the scene's axes to those of the cube maps
 uniform float cubeScale; // part of a cube map's layer that its 90 degrees cover
 uniform sampler2D gPosition, gNormal, gBase, gEmission;
 uniform float emissionScale;
@@ -44,7 +45,7 @@ float shadowOf(SampleLight light, vec3 p, vec3 n, float along)
     float measured = sun ? dot(q, light.travel.xyz) : length(q - light.position.xyz);
     float depth = (measured - light.shadow.z) * light.shadow.w;
     if (light.shadow.y > 0.5) {
-        vec3 place = cubePlace(q - light.position.xyz);
+        vec3 place = cubePlace(cubeTurn * (q - light.position.xyz));
         return texture(cubeShadows, vec4(0.5 + 0.5 * cubeScale * place.xy, light.shadow.x + place.z, depth));
     }
     vec4 clip = matrices[int(light.texel.y)] * vec4(q, 1.0);

@@ -6,11 +6,13 @@
 #include "widgets/lamp_desk.h"
 #include "widgets/lamp_editor.h"
 #include "widgets/legend_strip.h"
+#include "widgets/message_bar.h"
 #include "widgets/pick_card.h"
 #include "widgets/scene_dock.h"
 #include "widgets/snapshot_bar.h"
 #include "window_helpers.h"
 #include <QApplication>
+#include <QDockWidget>
 #include <QDoubleSpinBox>
 #include <QLabel>
 #include <QMenu>
@@ -97,6 +99,44 @@ private Q_SLOTS:
         QVERIFY2(scroll->maximum() == 0, qPrintable(QString("%1 pixels are out of sight").arg(scroll->maximum())));
         QVERIFY(window_->legend().width() >= 280);
         actionNamed(*window_, "Light")->trigger();
+    }
+
+    void longNamesWidenNothing()
+    {
+        const QTemporaryDir folder;
+        const QString name = folder.filePath(QString("scene_of_a_project_with_many_words").repeated(5) + ".glb");
+        QFile file(name);
+        QVERIFY(file.open(QIODevice::WriteOnly) && file.write("no scene") == 8);
+        file.close();
+        QSignalSpy failed(window_.get(), &MainWindow::openFailed);
+        window_->openScene(name);
+        QVERIFY(failed.wait(kPatience));
+        QTest::qWait(50);
+        QCOMPARE(window_->width(), 1280);
+        QVERIFY(window_->messages().isVisible() && window_->minimumSizeHint().width() <= 1280);
+        const QString said = window_->messages().text();
+        QVERIFY2(said.contains(QFileInfo(name).fileName()), qPrintable(said));
+        window_->messages().clear();
+    }
+
+    void panelsAreMovedByHandAndPutBack()
+    {
+        auto* scene = window_->findChild<QDockWidget*>("sceneDock");
+        auto* bake = window_->findChild<QDockWidget*>("bakeDock");
+        QCOMPARE(window_->dockWidgetArea(scene), Qt::LeftDockWidgetArea);
+        drag(*scene, QPoint(60, 8), scene->mapFromGlobal(bake->mapToGlobal(bake->rect().center())));
+        QTRY_COMPARE_WITH_TIMEOUT(window_->dockWidgetArea(scene), Qt::RightDockWidgetArea, 5000);
+        QTRY_VERIFY_WITH_TIMEOUT(!scene->isFloating(), 5000);
+        bake->setFloating(true);
+        window_->findChild<QDockWidget*>("compareDock")->close();
+        actionNamed(*window_, "Put all back")->trigger();
+        for (const QDockWidget* dock : window_->findChildren<QDockWidget*>()) {
+            const bool isScene = dock == scene;
+            QVERIFY(!dock->isFloating() && !dock->isHidden());
+            QCOMPARE(window_->dockWidgetArea(const_cast<QDockWidget*>(dock)),
+                     isScene ? Qt::LeftDockWidgetArea : Qt::RightDockWidgetArea);
+        }
+        QCOMPARE(window_->tabifiedDockWidgets(bake).size(), 2);
     }
 
     void labelsKeepApart()

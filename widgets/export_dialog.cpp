@@ -159,6 +159,8 @@ void ExportDialog::choosePlace()
     dialog->open();
 }
 
+void ExportDialog::say(const QString& text) { state_->setText(breakable(text)); }
+
 /// What pressing the button would do.
 void ExportDialog::showState()
 {
@@ -173,24 +175,24 @@ void ExportDialog::showState()
     const Result<Done> fine = checkExport(wanted, Method::lightOctree);
     const bool hasPlace = !place.fileName().isEmpty() && place.dir().exists();
     go_->setEnabled(fine && hasPlace);
-    state_->setText(!fine                ? QString::fromStdString(fine.error().message)
-                    : !hasPlace          ? tr("There is no folder %1").arg(place.dir().path())
-                    : replaced.isEmpty() ? QString()
-                                         : tr("Replaces %1").arg(replaced.join(", ")));
+    say(!fine                ? QString::fromStdString(fine.error().message)
+        : !hasPlace          ? tr("There is no folder %1").arg(place.dir().path())
+        : replaced.isEmpty() ? QString()
+                             : tr("Replaces %1").arg(replaced.join(", ")));
 }
 
 void ExportDialog::begin()
 {
     std::optional<ExportOrder> order = order_();
     if (!order) {
-        state_->setText(tr("There is no bake to export yet"));
+        say(tr("There is no bake to export yet"));
         return;
     }
     order->request = request();
     isRunning_ = true;
     go_->setEnabled(false);
     cancel_->setText(tr("Cancel"));
-    state_->setText(tr("Unwrapping and lighting..."));
+    say(tr("Unwrapping and lighting..."));
     setFraction(*progress_, 0.0);
     worker_.start(*std::move(order));
 }
@@ -202,13 +204,13 @@ void ExportDialog::end(const QStringList& files, const QString& report, const QS
     setFraction(*progress_, files.isEmpty() ? 0.0 : 1.0);
     showState();
     if (isCancelled) {
-        state_->setText(tr("Cancelled; no file was written"));
+        say(tr("Cancelled; no file was written"));
     } else if (!problem.isEmpty()) {
-        state_->setText(problem);
+        say(problem);
     } else {
         QStringList names;
         for (const QString& file : files) names += QFileInfo(file).fileName();
-        state_->setText(tr("Wrote %1. %2").arg(names.join(", "), report));
+        say(tr("Wrote %1. %2").arg(names.join(", "), report));
         Q_EMIT exported(files);
     }
 }

@@ -30,6 +30,7 @@ private:
     [[nodiscard]] ExportRequest request() const;
     void choosePlace();
     void showState();
+    void say(const QString& text);
     void begin();
     void end(const QStringList& files, const QString& report, const QString& problem, bool isCancelled);
 

@@ -171,6 +171,12 @@ void MainWindow::connectWorkers()
         if (!frameTold_.isActive()) frameTold_.start();
     });
     connect(&frameTold_, &QTimer::timeout, this, &MainWindow::showFrame);
+    const auto tellDirect = [this](const QString& text) {
+        if (statusDirect_->text() != text) statusDirect_->setText(text);
+    };
+    connect(viewport_, &Viewport::viewMoved, this, [tellDirect] { tellDirect(tr("direct: preview")); });
+    connect(viewport_, &Viewport::settled, this, [tellDirect] { tellDirect(tr("direct: preview")); });
+    connect(viewport_, &Viewport::refined, this, [tellDirect] { tellDirect(tr("direct: refined")); });
     connect(viewport_, &Viewport::problem, this, [this](const QString& text) { messages_->show(text); });
     connect(viewport_, &Viewport::exposureMetered, this, [this](float ev) {
         const QSignalBlocker quiet(exposure_);

@@ -122,6 +122,8 @@ private:
     void buildStatus();
     void buildToolbar();
     void showDocks();
+    void putDocksBack(); ///< as they are at first
+    void sizeDocks();
     // main_window_menus.cpp: commands
     void makeActions();
     void connectActions();

@@ -167,7 +167,8 @@ void MainWindow::buildDocks()
     const auto addDock = [this](const QString& title, const char* name, QWidget* inside, Qt::DockWidgetArea area) {
         auto* dock = new QDockWidget(title, this);
         dock->setObjectName(QString::fromLatin1(name));
-        dock->setFeatures(QDockWidget::DockWidgetClosable | QDockWidget::DockWidgetMovable);
+        dock->setFeatures(QDockWidget::DockWidgetClosable | QDockWidget::DockWidgetMovable |
+                          QDockWidget::DockWidgetFloatable);
         dock->setWidget(inside);
         addDockWidget(area, dock);
         dock->hide(); // there is nothing in them before a scene is open
@@ -192,12 +193,31 @@ void MainWindow::buildDocks()
 
 void MainWindow::showDocks()
 {
+    for (QDockWidget* dock : findChildren<QDockWidget*>()) dock->show();
+    findChild<QDockWidget*>(QStringLiteral("bakeDock"))->raise();
+    panels_->setEnabled(true);
+    if (docks_.isEmpty() || !restoreState(docks_)) sizeDocks();
+}
+
+void MainWindow::putDocksBack()
+{
+    QDockWidget* first = nullptr; // of those on the right, which are one behind the other
+    for (QDockWidget* dock : findChildren<QDockWidget*>()) {
+        const bool isScene = dock->objectName() == QStringLiteral("sceneDock");
+        dock->setFloating(false);
+        addDockWidget(isScene ? Qt::LeftDockWidgetArea : Qt::RightDockWidgetArea, dock);
+        if (!isScene && first != nullptr) tabifyDockWidget(first, dock);
+        if (!isScene) first = dock;
+        dock->show();
+    }
+    findChild<QDockWidget*>(QStringLiteral("bakeDock"))->raise();
+    sizeDocks();
+}
+
+void MainWindow::sizeDocks()
+{
     auto* left = findChild<QDockWidget*>(QStringLiteral("sceneDock"));
     auto* right = findChild<QDockWidget*>(QStringLiteral("bakeDock"));
-    for (QDockWidget* dock : findChildren<QDockWidget*>()) dock->show();
-    right->raise();
-    panels_->setEnabled(true);
-    if (!docks_.isEmpty() && restoreState(docks_)) return;
     const int wanted = paramPanel_->sizeHint().width() + 24;
     resizeDocks({left, right}, {200, std::min(wanted, width() / 3)}, Qt::Horizontal);
 }
@@ -208,10 +228,10 @@ void MainWindow::buildStatus()
     statusLux_ = new QLabel;
     statusNoise_ = new QLabel;
     statusNoise_->setToolTip(tr("Noise of the indirect light, stated by the bake itself, of the mean"));
-    statusDirect_ = new QLabel(tr("direct: preview"));
-    statusDirect_->setToolTip(
-        tr("Direct light in the window comes from shadow maps and sample lights. `lightloom-cli render` traces it "
-           "exactly."));
+    statusDirect_ = new QLabel;
+    statusDirect_->setToolTip(tr(
+        "Direct light in the window comes from shadow maps: of a few points of each lamp (preview), and of many more "
+        "when the picture rests (refined). `lightloom-cli render` traces it exactly."));
     statusFrame_ = new QLabel;
     statusSize_ = new QLabel;
     statusFrame_->setToolTip(tr("Time of the last picture. Coarse: drawn at lower resolution while the camera moves."));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the window remembers from one day to the next: place and size, docks, theme, tone curve, files.
 #include "widgets/main_window.h"
+#include "widgets/panel_parts.h"
 #include "widgets/start_page.h"
 #include "widgets/viewport.h"
 #include <QAction>
@@ -69,7 +70,8 @@ void MainWindow::fillRecent()
     recent_->clear();
     const QStringList files = settings_ != nullptr ? settings_->value("recent").toStringList() : QStringList();
     for (const QString& file : files) {
-        recent_->addAction(QFileInfo(file).fileName(), this, [this, file] { openScene(file); })->setStatusTip(file);
+        recent_->addAction(shortName(QFileInfo(file).fileName()), this, [this, file] { openScene(file); })
+            ->setStatusTip(file);
     }
     recent_->setEnabled(!files.isEmpty());
     startPage_->setRecent(files);

@@ -191,6 +191,9 @@ void MainWindow::buildMenus()
     view->addAction(lightTheme_);
     panels_ = view->addMenu(tr("Pa&nels"));
     for (QDockWidget* dock : findChildren<QDockWidget*>()) panels_->addAction(dock->toggleViewAction());
+    panels_->addSeparator();
+    panels_->addAction(tr("Put all &back"), this, &MainWindow::putDocksBack)
+        ->setStatusTip(tr("All panels where they are at first"));
     panels_->setEnabled(false);
     QMenu* bake = menuBar()->addMenu(tr("&Bake"));
     bake->addActions({start_, pause_, cancel_});

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "widgets/message_bar.h"
+#include "widgets/panel_parts.h"
 #include <QHBoxLayout>
 #include <QLabel>
 #include <QToolButton>
@@ -34,7 +35,8 @@ MessageBar::MessageBar(QWidget* parent)
 
 void MessageBar::show(const QString& text, const QString& way, std::function<void()> go)
 {
-    text_->setText(text);
+    message_ = text;
+    text_->setText(breakable(text));
     way_->setText(way);
     way_->setVisible(!way.isEmpty());
     go_ = std::move(go);
@@ -43,11 +45,12 @@ void MessageBar::show(const QString& text, const QString& way, std::function<voi
 
 void MessageBar::clear()
 {
+    message_.clear();
     text_->clear();
     go_ = {};
     hide();
 }
 
-QString MessageBar::text() const { return text_->text(); }
+QString MessageBar::text() const { return message_; }
 
 } // namespace lightloom

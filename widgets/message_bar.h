@@ -19,6 +19,7 @@ public:
     [[nodiscard]] QString text() const;
 
 private:
+    QString message_;
     QLabel* text_;
     QToolButton *way_, *close_;
     std::function<void()> go_;

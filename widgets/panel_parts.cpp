@@ -45,4 +45,26 @@ QLabel* textLines()
     return label;
 }
 
+QString breakable(const QString& text)
+{
+    constexpr int kMost = 24;
+    QString out;
+    int run = 0;
+    for (const QChar c : text) {
+        run = c.isSpace() ? 0 : run + 1;
+        out += c;
+        if (run < kMost) continue;
+        out += QChar(0x200b); // a space of no width
+        run = 0;
+    }
+    return out;
+}
+
+QString shortName(const QString& name)
+{
+    constexpr int kStart = 28, kEnd = 24;
+    if (name.size() <= kStart + kEnd) return name;
+    return name.left(kStart) + QChar(0x2026) + name.right(kEnd);
+}
+
 } // namespace lightloom

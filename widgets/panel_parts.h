@@ -19,4 +19,10 @@ void setFraction(QProgressBar& bar, double fraction); ///< of a `thinProgress`
 /// Several lines of text that can be copied.
 [[nodiscard]] QLabel* textLines();
 
+/// `text` with places where words that are too long for a line may break: else a label is as wide as the longest.
+[[nodiscard]] QString breakable(const QString& text);
+
+/// A file's name for buttons and menus: the middle of a very long one is left out.
+[[nodiscard]] QString shortName(const QString& name);
+
 } // namespace lightloom

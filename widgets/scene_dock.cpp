@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "widgets/scene_dock.h"
 #include "widgets/lamp_editor.h"
+#include "widgets/panel_parts.h"
 #include <QCheckBox>
 #include <QHBoxLayout>
 #include <QLabel>
@@ -92,7 +93,7 @@ void SceneDock::setScene(const std::shared_ptr<const Scene>& scene)
             triangles += scene->meshes[static_cast<std::size_t>(i.mesh)].triangles.size();
         }
         about_->setText(tr("<b>%1</b><br>%2 triangles in %3 objects")
-                            .arg(QString::fromStdString(scene->name).toHtmlEscaped(),
+                            .arg(breakable(QString::fromStdString(scene->name)).toHtmlEscaped(),
                                  QLocale().toString(static_cast<qulonglong>(triangles)))
                             .arg(scene->instances.size()));
         for (const Camera& camera : scene->cameras) cameras_->addItem(QString::fromStdString(camera.name));

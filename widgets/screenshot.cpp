@@ -34,7 +34,8 @@ int takeScreenshot(MainWindow& window, const QString& scene, const QString& file
         if (!isComplete) QApplication::exit(1);
     });
     QObject::connect(&look, &QTimer::timeout, &look, [&] {
-        const bool isDrawn = scene.isEmpty() || window.viewport() == nullptr || window.viewport()->isSettled();
+        const Viewport* view = window.viewport();
+        const bool isDrawn = scene.isEmpty() || view == nullptr || (final ? view->isRefined() : view->isSettled());
         const bool isDone = !final || !window.isBaking();
         if (isLit && isDrawn && isDone) QApplication::exit(0);
     });

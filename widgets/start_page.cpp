@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "widgets/start_page.h"
+#include "widgets/panel_parts.h"
 #include <QCoreApplication>
 #include <QDir>
 #include <QFileInfo>
@@ -137,7 +138,7 @@ void StartPage::setRecent(const QStringList& files)
     for (const QString& file : files.mid(0, kMostRecent)) {
         auto* button = new QToolButton;
         button->setAutoRaise(true);
-        button->setText(QFileInfo(file).fileName());
+        button->setText(shortName(QFileInfo(file).fileName()));
         button->setToolTip(file);
         // queued: opening may end in this list being made anew, and with it the button
         connect(

@@ -12,6 +12,7 @@ namespace {
 constexpr int kSamples = 8;             ///< pictures that are averaged at rest
 constexpr int kRestMs = 180;            ///< without motion until the full picture
 constexpr double kShadowMs = 12.0;      ///< of a frame, for shadow maps
+constexpr double kRefineMs = 15.0;      ///< of work between events, and never less than one lamp's
 constexpr double kAllShadowsMs = 100.0; ///< of a frame after a lamp was moved: its six, and more only if others wait
 
 } // namespace
@@ -32,6 +33,9 @@ Viewport::Viewport(QWidget* parent) : QOpenGLWidget(parent)
     hover_.setSingleShot(true);
     hover_.setInterval(60);
     connect(&hover_, &QTimer::timeout, this, &Viewport::hover);
+    refine_.setSingleShot(true);
+    refine_.setInterval(1); // events get their turn
+    connect(&refine_, &QTimer::timeout, this, &Viewport::refineStep);
     more_.setSingleShot(true);
     connect(&more_, &QTimer::timeout, this, qOverload<>(&QWidget::update));
 }
@@ -125,6 +129,7 @@ void Viewport::setBusy(bool busy)
     pacer_.setBusy(busy);
     if (busy) return;
     if (more_.isActive()) more_.start(pacer_.pauseMs());
+    refine_.start();
     if (rest_.isActive()) rest_.start(std::min(rest_.remainingTime(), kRestMs));
 }
 
@@ -230,6 +235,30 @@ bool Viewport::isSettled() const
     return isDrawn && !sceneIsNew_ && !lampsAreNew_ && !octreeIsNew_ && !mixIsNew_ && !presentOnly_;
 }
 
+bool Viewport::isRefined() const
+{
+    return isSettled() && (isRefined_ || !renderer_ || !renderer_->mayRefine(frameNow()));
+}
+
+void Viewport::refineStep()
+{
+    if (!renderer_ || !isSettled() || isRefined_ || pacer_.isBusy() || !isVisible()) return;
+    makeCurrent();
+    const FrameView frame = frameNow();
+    Renderer::Refined came = Renderer::Refined::part;
+    QElapsedTimer clock;
+    clock.start();
+    while (came == Renderer::Refined::part && static_cast<double>(clock.nsecsElapsed()) * 1e-6 < kRefineMs) {
+        came = renderer_->refine(frame);
+        renderer_->finish();
+    }
+    doneCurrent();
+    isRefined_ = came == Renderer::Refined::all;
+    if (came == Renderer::Refined::part) return refine_.start();
+    present(); // which goes on, if there is more
+    if (isRefined_) Q_EMIT refined();
+}
+
 void Viewport::moved()
 {
     coarseFor(kRestMs);
@@ -264,7 +293,7 @@ void Viewport::coarseFor(int ms)
 void Viewport::drawAnew()
 {
     sample_ = 0;
-    toldSettled_ = false;
+    toldSettled_ = isRefined_ = false;
     update();
 }
 
@@ -316,6 +345,7 @@ void Viewport::paintGL()
     if (isRepaint) {
         renderer_->present(frameNow(), sample_, defaultFramebufferObject(), window);
         if (!isSettled() && !isMoving_ && !more_.isActive()) more_.start(pacer_.pauseMs());
+        if (isSettled() && !isRefined_) refine_.start();
         return;
     }
     const bool before = shadowsReady_ && mirrorsReady_ && atlasReady_;
@@ -329,8 +359,10 @@ void Viewport::paintGL()
     scale_ = isMoving_ || isPassing ? pacer_.coarseScale() : 1.0f;
     QElapsedTimer clock;
     clock.start();
+    FrameView frame = frameNow();
+    frame.willRefine = !isMoving_ && scale_ == 1.0f;
     const Result<Done> drawn =
-        renderer_->draw(frameNow(), std::min(sample_, kSamples - 1), glm::ivec2(glm::vec2(window) * scale_),
+        renderer_->draw(frame, std::min(sample_, kSamples - 1), glm::ivec2(glm::vec2(window) * scale_),
                         defaultFramebufferObject(), window);
     renderer_->finish();
     if (!drawn) {
@@ -360,6 +392,7 @@ void Viewport::frameDone(double frameMs, double allMs)
         more_.start(pacer_.pauseMs());
     } else if (isSettled() && !toldSettled_) {
         toldSettled_ = true;
+        refine_.start();
         Q_EMIT settled();
     }
 }

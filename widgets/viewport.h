@@ -66,6 +66,8 @@ public:
     [[nodiscard]] double frameMs() const { return frameMs_; } ///< of the last picture, until the GPU was done
     /// Nothing more will change by itself: full resolution, all shadow maps, smooth edges.
     [[nodiscard]] bool isSettled() const;
+    /// And its direct light has become even, a lamp at a time, as far as there is some.
+    [[nodiscard]] bool isRefined() const;
     [[nodiscard]] int shadowLayersDrawn() const { return renderer_ ? renderer_->shadowLayersDrawn() : 0; }
     [[nodiscard]] bool hasAtlas() const { return atlas_ != nullptr; }
     [[nodiscard]] bool hasPhotonPicture() const { return photons_ != nullptr; }
@@ -76,6 +78,7 @@ public:
 Q_SIGNALS:
     void frameDrawn(double ms, bool isFull);
     void settled();
+    void refined();
     void viewMoved(); ///< camera or size are others: what was computed for the view before does not fit any more
     void hovered(bool isOnSurface, glm::vec3 position, glm::vec3 normal);
     void picked(glm::vec3 position, glm::vec3 normal); ///< a surface, scene space
@@ -111,6 +114,7 @@ private:
     [[nodiscard]] bool showsPhotons() const { return mode_ == ViewMode::photonMap && photons_; }
     void uploadComparison();
     void overlayChanged(Overlay before); ///< what is laid over the picture, or that it is
+    void refineStep();                   ///< for a frame's time, outside of pictures
     void present();                      ///< the same picture again, with what is laid over it as it is now
     void walkStep();
     void hover();
@@ -138,7 +142,7 @@ private:
     bool isPicking_ = false, marksAreNew_ = false, lampsAreNew_ = false;
     Mix mix_;
     bool sceneIsNew_ = false, octreeIsNew_ = false, coloursAreNew_ = false, mixIsNew_ = false, needsMetering_ = false;
-    bool isMoving_ = false, shadowsReady_ = false, mirrorsReady_ = false, toldSettled_ = false;
+    bool isMoving_ = false, shadowsReady_ = false, mirrorsReady_ = false, toldSettled_ = false, isRefined_ = false;
     int sample_ = 0; ///< pictures averaged so far
     float scale_ = 1.0f;
     double frameMs_ = 0;
@@ -146,7 +150,7 @@ private:
     QPointF last_, pressed_, hoverAt_;
     QSet<int> keys_;
     QElapsedTimer walkClock_;
-    QTimer rest_, walk_, hover_, more_;
+    QTimer rest_, walk_, hover_, more_, refine_;
 };
 
 } // namespace lightloom

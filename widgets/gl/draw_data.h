@@ -25,6 +25,11 @@ struct PreviewLight {
     float cosInner = 1.0f, cosOuter = 0.0f;
     float area = 0.0f;  ///< of a patch, m2
     bool inCube = true; ///< shadow in six layers, or (spot, sun) in one
+    struct Point {
+        glm::vec3 position, travel;
+    };
+    /// Of a patch: equal parts of it, any first few of them well spread. Null: it has no extent.
+    std::shared_ptr<const std::vector<Point>> points;
 };
 
 /// A scene as plain arrays that a viewport uploads as they are. Made on a worker, never changed afterwards.

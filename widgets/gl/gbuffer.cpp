@@ -13,12 +13,14 @@ Result<GBuffer> GBuffer::make(Gl& gl, glm::ivec2 size)
     b.base = colour(GL_RGBA16F);
     b.emission = colour(GL_RGBA16F);
     b.light = colour(GL_RGBA32F);
+    b.directSum = colour(GL_RGBA32F);
+    b.refinedSum = colour(GL_RGBA32F);
     b.sum = colour(GL_RGBA32F);
     gl.glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
     gl.glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     b.depth = makeTexture2D(gl, GL_DEPTH_COMPONENT32F, size, GL_DEPTH_COMPONENT, GL_FLOAT, nullptr);
     const GLuint surfaces[] = {b.position.id(), b.normal.id(), b.base.id(), b.emission.id()};
-    const GLuint light = b.light.id(), sum = b.sum.id();
+    const GLuint light = b.light.id(), sum = b.sum.id(), direct = b.directSum.id(), refined = b.refinedSum.id();
     const auto attach = [&](GlFramebuffer& to, std::span<const GLuint> colours, GLuint depth) -> Result<Done> {
         Result<GlFramebuffer> made = makeFramebuffer(gl, colours, depth);
         if (!made) return made.error();
@@ -28,6 +30,8 @@ Result<GBuffer> GBuffer::make(Gl& gl, glm::ivec2 size)
     if (const Result<Done> made = attach(b.surfaces, surfaces, b.depth.id()); !made) return made.error();
     if (const Result<Done> made = attach(b.lighting, {&light, 1}, 0); !made) return made.error();
     if (const Result<Done> made = attach(b.summing, {&sum, 1}, 0); !made) return made.error();
+    if (const Result<Done> made = attach(b.directSumming, {&direct, 1}, 0); !made) return made.error();
+    if (const Result<Done> made = attach(b.refining, {&refined, 1}, 0); !made) return made.error();
     return b;
 }
 

@@ -5,11 +5,12 @@
 namespace lightloom {
 
 /// What the camera sees, without light: position, normal and roughness, base colour and metallic, emission. And the
-/// buffers that light is gathered in: one picture, and the sum of pictures taken through shifted pixels.
+/// buffers that light is gathered in: one picture, and the sum of pictures taken through shifted pixels; of the direct
+/// light alone as well, with the lamps' stand-ins and with many more points of them.
 struct GBuffer {
     glm::ivec2 size{0};
-    GlTexture position, normal, base, emission, depth, light, sum;
-    GlFramebuffer surfaces, lighting, summing;
+    GlTexture position, normal, base, emission, depth, light, sum, directSum, refinedSum;
+    GlFramebuffer surfaces, lighting, summing, directSumming, refining;
 
     /// Error: the driver refuses.
     [[nodiscard]] static Result<GBuffer> make(Gl& gl, glm::ivec2 size);

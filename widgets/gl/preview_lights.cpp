@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
+#include <numeric>
 
 namespace lightloom {
 
@@ -72,6 +73,7 @@ public:
                 light.area = static_cast<float>(area_) * patch.share;
                 light.travel = side == 0 ? patch.normal : -patch.normal;
                 light.position = patch.position + light.travel * offset;
+                light.points = pointsOf(patch, side == 1, offset);
                 out.push_back(light);
             }
         }
@@ -82,8 +84,26 @@ private:
 
     struct Patch {
         glm::vec3 position, normal;
-        float share; ///< of the area
+        float share;              ///< of the area
+        std::vector<int> members; ///< points that it stands for
     };
+
+    [[nodiscard]] std::shared_ptr<const std::vector<PreviewLight::Point>> pointsOf(const Patch& patch, bool isBack,
+                                                                                   float offset) const
+    {
+        // neighbours have neighbouring numbers: the golden ratio takes them from everywhere in turn
+        const auto place = [](std::size_t rank) { return std::fmod(0.6180339887 * static_cast<double>(rank), 1.0); };
+        std::vector<std::size_t> order(patch.members.size());
+        std::iota(order.begin(), order.end(), std::size_t{0});
+        std::ranges::sort(order, {}, place);
+        auto out = std::make_shared<std::vector<PreviewLight::Point>>();
+        for (const std::size_t rank : order) {
+            const Patch at = point(patch.members[rank]);
+            const glm::vec3 travel = isBack ? -at.normal : at.normal;
+            out->push_back({at.position + travel * offset, travel});
+        }
+        return out;
+    }
 
     /// Point `i` of kPoints, evenly spread by area.
     [[nodiscard]] Patch point(int i) const
@@ -94,7 +114,9 @@ private:
         const glm::uvec3& v = mesh_.triangles[t];
         const float length = glm::length(normals_[t]);
         return {points_[v.x] * (1.0f - b.x - b.y) + points_[v.y] * b.x + points_[v.z] * b.y,
-                length > 0.0f ? normals_[t] / length : glm::vec3(0.0f, -1.0f, 0.0f), 1.0f / kPoints};
+                length > 0.0f ? normals_[t] / length : glm::vec3(0.0f, -1.0f, 0.0f),
+                1.0f / kPoints,
+                {}};
     }
 
     /// Clusters of the points (Lloyd's rounds from farthest-point seeds). Each is stood for by the point nearest its
@@ -138,6 +160,9 @@ private:
             if (!(share[c] > 0.0f)) continue;
             out.push_back(*std::ranges::min_element(all, {}, gap));
             out.back().share = share[c];
+            for (std::size_t i = 0; i < all.size(); ++i) {
+                if (owner[i] == c) out.back().members.push_back(static_cast<int>(i));
+            }
         }
         return out;
     }

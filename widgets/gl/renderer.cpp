@@ -41,6 +41,7 @@ Result<Done> Renderer::linkPrograms()
                   {plainProgram_, "fullscreen.vert", "mode_plain.frag"},
                   {postProgram_, "fullscreen.vert", "pass_post.frag"},
                   {copyProgram_, "fullscreen.vert", "pass_copy.frag"},
+                  {refinedProgram_, "fullscreen.vert", "pass_refined.frag"},
                   {glassProgram_, "scene.vert", "glass.frag"}};
     for (const auto& each : wanted) {
         Result<GlProgram> linked = shaders.link(gl_, each.vertex, each.fragment);
@@ -170,12 +171,16 @@ void Renderer::drawGlass(const GBuffer& buffers, const FrameView& frame, glm::ve
     gl_.glDisable(GL_BLEND);
 }
 
-void Renderer::drawDirect(const ModeFrame& frame, int lights, float emissionScale)
+void Renderer::drawDirect(const ModeFrame& frame, int lights, float emissionScale, bool ofOne)
 {
     directProgram_.use();
     frame.buffers.bind(directProgram_);
     directProgram_.setTexture("gEmission", 3, GL_TEXTURE_2D, frame.buffers.emission.id());
-    shadows_.bind(directProgram_, 4);
+    if (ofOne) {
+        shadows_.bindOne(directProgram_, 4);
+    } else {
+        shadows_.bind(directProgram_, 4);
+    }
     directProgram_.set("lightCount", lights);
     directProgram_.set("emissionScale", emissionScale);
     directProgram_.set("eye", frame.eye);
@@ -203,7 +208,11 @@ void Renderer::drawLight(const GBuffer& buffers, const FrameView& frame, bool mi
     PreviewMode* indirect = indirectOf(frame.mode);
     const ModeFrame light{buffers, frame.eye, false, mirrors && indirect != nullptr, viewProjection_};
     const bool lamps = frame.mode == ViewMode::direct || !frame.indirectOnly;
-    drawDirect(light, lamps ? shadows_.lightCount() : 0, lamps ? emissionScale_ : 0.0f);
+    if (lamps) drawDirect(light, shadows_.lightCount(), emissionScale_); // else the buffer is black already
+    if (frame.willRefine && mayRefine(frame)) {
+        addLightTo(buffers, buffers.directSumming, coarseSamples_++ == 0);
+        gl_.glBindFramebuffer(GL_FRAMEBUFFER, buffers.lighting.id());
+    }
     if (indirect == nullptr) return;
     gl_.glEnable(GL_BLEND);
     gl_.glBlendEquation(GL_FUNC_ADD);
@@ -211,6 +220,65 @@ void Renderer::drawLight(const GBuffer& buffers, const FrameView& frame, bool mi
     indirect->draw(light);
     if (light.mirrors) environments_->add(buffers, frame.eye);
     gl_.glDisable(GL_BLEND);
+}
+
+bool Renderer::mayRefine(const FrameView& frame) const
+{
+    if (!scene_ || frame.mode == ViewMode::plain || shadows_.lightCount() == 0) return false;
+    return frame.mode == ViewMode::direct || !frame.indirectOnly;
+}
+
+Renderer::Refined Renderer::refine(const FrameView& frame)
+{
+    const int rounds = shadows_.refineRounds();
+    if (!buffers_ || coarseSamples_ == 0 || refinedRounds_ >= rounds || !mayRefine(frame)) return Refined::all;
+    if (refinedLight_ == 0) drawSurfaces(*buffers_, frame, shiftOf(refinedRounds_), -1);
+    const bool isLit = shadows_.drawOne(*scene_, shadowProgram_, refinedLight_, refinedRounds_);
+    gl_.glBindFramebuffer(GL_FRAMEBUFFER, buffers_->refining.id());
+    gl_.glViewport(0, 0, buffers_->size.x, buffers_->size.y);
+    gl_.glDisable(GL_DEPTH_TEST);
+    gl_.glBindVertexArray(empty_.id());
+    if (refinedLight_ == 0 && refinedRounds_ == 0) {
+        gl_.glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
+        gl_.glClear(GL_COLOR_BUFFER_BIT);
+    }
+    // the first lamp brings glow and counts the round
+    const bool isFirst = refinedLight_ == 0;
+    if (isLit || isFirst) {
+        gl_.glEnable(GL_BLEND);
+        gl_.glBlendEquation(GL_FUNC_ADD);
+        gl_.glBlendFuncSeparate(GL_ONE, GL_ONE, isFirst ? GL_ONE : GL_ZERO, GL_ONE);
+        const ModeFrame light{*buffers_, frame.eye, false, indirectOf(frame.mode) != nullptr, viewProjection_};
+        drawDirect(light, isLit ? 1 : 0, isFirst ? emissionScale_ : 0.0f, true);
+        gl_.glDisable(GL_BLEND);
+    }
+    if (++refinedLight_ < shadows_.lightCount()) return Refined::part;
+    refinedLight_ = 0;
+    ++refinedRounds_;
+    makeRefinement(frame);
+    return refinedRounds_ == rounds ? Refined::all : Refined::round;
+}
+
+/// What is to be added to the picture, into the buffer of a single one's light.
+void Renderer::makeRefinement(const FrameView& frame)
+{
+    gl_.glBindFramebuffer(GL_FRAMEBUFFER, buffers_->lighting.id());
+    gl_.glViewport(0, 0, buffers_->size.x, buffers_->size.y);
+    gl_.glDisable(GL_DEPTH_TEST);
+    gl_.glBindVertexArray(empty_.id());
+    refinedProgram_.use();
+    refinedProgram_.setTexture("fine", 0, GL_TEXTURE_2D, buffers_->refinedSum.id());
+    refinedProgram_.setTexture("coarse", 1, GL_TEXTURE_2D, buffers_->directSum.id());
+    drawFullscreen(gl_);
+    drawGlass(*buffers_, frame, glm::vec2(0.0f));
+}
+
+float Renderer::refinedShare() const
+{
+    if (refinedRounds_ == 0) return 0.0f;
+    if (refinedRounds_ == shadows_.refineRounds()) return 1.0f;
+    const auto rounds = static_cast<float>(refinedRounds_); // every picture counts alike
+    return rounds / (rounds + static_cast<float>(coarseSamples_));
 }
 
 PreviewMode* Renderer::indirectOf(ViewMode mode)
@@ -232,9 +300,9 @@ PreviewMode* Renderer::indirectOf(ViewMode mode)
     return nullptr;
 }
 
-void Renderer::addToSum(bool first)
+void Renderer::addLightTo(const GBuffer& buffers, const GlFramebuffer& sum, bool first)
 {
-    gl_.glBindFramebuffer(GL_FRAMEBUFFER, buffers_->summing.id());
+    gl_.glBindFramebuffer(GL_FRAMEBUFFER, sum.id());
     if (first) {
         gl_.glDisable(GL_BLEND);
     } else {
@@ -244,7 +312,8 @@ void Renderer::addToSum(bool first)
     }
     gl_.glBindVertexArray(empty_.id());
     copyProgram_.use();
-    copyProgram_.setTexture("picture", 0, GL_TEXTURE_2D, buffers_->light.id());
+    copyProgram_.setTexture("picture", 0, GL_TEXTURE_2D, buffers.light.id());
+    copyProgram_.setTexture("gPosition", 1, GL_TEXTURE_2D, buffers.position.id());
     drawFullscreen(gl_);
     gl_.glDisable(GL_BLEND);
 }
@@ -259,10 +328,12 @@ Result<Done> Renderer::draw(const FrameView& frame, int sample, glm::ivec2 size,
         buffers_ = std::move(*made);
         sample = 0;
     }
+    refinedRounds_ = refinedLight_ = 0;
+    if (sample == 0) coarseSamples_ = 0;
     drawSurfaces(*buffers_, frame, shiftOf(sample), -1);
     drawLight(*buffers_, frame, true);
     drawGlass(*buffers_, frame, shiftOf(sample));
-    addToSum(sample == 0);
+    addLightTo(*buffers_, buffers_->summing, sample == 0);
     present(frame, sample + 1, target, window);
     return Done{};
 }
@@ -282,6 +353,8 @@ void Renderer::present(const FrameView& frame, int samples, GLuint target, glm::
     postProgram_.set("scale", plain ? 1.0f : shader::exposureScale(frame.exposureEv));
     postProgram_.set("tone", plain ? shader::kToneNone : frame.tone);
     postProgram_.set("background", frame.background);
+    postProgram_.set("refined", refinedShare());
+    postProgram_.setTexture("refinement", 1, GL_TEXTURE_2D, buffers_->light.id());
     drawFullscreen(gl_);
     overlay_->draw(frame, *buffers_, samples, window);
     marks_->draw(frame, *buffers_, window);

@@ -30,6 +30,7 @@ struct FrameView {
     glm::vec3 eye{0.0f};
     ViewMode mode = ViewMode::octree;
     bool indirectOnly = false;  ///< octree mode without lamps and glow
+    bool willRefine = false;    ///< the picture rests at full size, and `refine` will be called for it
     float exposureEv = 10.0f;   ///< at ISO 100
     int tone = 1;               ///< kToneNone, kToneSoft
     glm::vec3 background{0.2f}; ///< as shown, not linear
@@ -60,7 +61,13 @@ public:
     Result<Done> draw(const FrameView& frame, int sample, glm::ivec2 size, GLuint target, glm::ivec2 window);
     /// Shows again what `draw` has summed up over `samples` pictures, under another exposure or wipe.
     void present(const FrameView& frame, int samples, GLuint target, glm::ivec2 window);
-    void finish() { gl_.glFinish(); } ///< waits for the GPU, to measure
+    enum class Refined { part, round, all };
+    /// A small part of the work that makes the direct light under the last picture even: one lamp's, at another point
+    /// of its surface, with shadow maps of its own. After a round of all lamps `present` shows the mean of all rounds
+    /// so far; after some rounds nothing more is gained. `frame` as the pictures were drawn, all with `willRefine`.
+    Refined refine(const FrameView& frame);
+    [[nodiscard]] bool mayRefine(const FrameView& frame) const; ///< it shows lamps' direct light
+    void finish() { gl_.glFinish(); }                           ///< waits for the GPU, to measure
     /// Undrawn shadow maps for about `budgetMs`. True when all are there.
     bool drawShadows(double budgetMs);
     /// Null: none. Goes with the scene.
@@ -88,6 +95,8 @@ public:
         std::vector<glm::vec4> position, normal, light; ///< w of position: 1 where there is a surface
     };
     [[nodiscard]] Pixels readBack() const;
+    /// The picture as it is shown after `samples` of them, refined as far as it is, cd/m2; w: as Pixels::position.
+    [[nodiscard]] std::vector<glm::vec4> picture(int samples) const;
     /// Mean of log2 luminance (cd/m2) over lit pixels of the last picture; nothing where all is dark.
     [[nodiscard]] std::optional<float> meanLogLuminance() const;
 
@@ -99,12 +108,15 @@ private:
     void drawSurfaces(const GBuffer& buffers, const FrameView& frame, glm::vec2 shift, int without);
     void drawLight(const GBuffer& buffers, const FrameView& frame, bool mirrors);
     [[nodiscard]] PreviewMode* indirectOf(ViewMode mode); ///< null: the mode shows no indirect light
-    void drawDirect(const ModeFrame& frame, int lights, float emissionScale);
+    void drawDirect(const ModeFrame& frame, int lights, float emissionScale, bool ofOne = false);
+    void makeRefinement(const FrameView& frame);
+    [[nodiscard]] float refinedShare() const; ///< of the refinement that is shown
     void drawGlass(const GBuffer& buffers, const FrameView& frame, glm::vec2 shift);
-    void addToSum(bool first);
+    void addLightTo(const GBuffer& buffers, const GlFramebuffer& sum, bool first);
 
     Gl& gl_;
-    GlProgram surfaceProgram_, shadowProgram_, directProgram_, plainProgram_, postProgram_, copyProgram_, glassProgram_;
+    GlProgram surfaceProgram_, shadowProgram_, directProgram_, plainProgram_, postProgram_, copyProgram_, glassProgram_,
+        refinedProgram_;
     std::unique_ptr<ModeVdl> vdl_, colours_;
     std::optional<OverlayPass> overlay_;
     std::optional<MarkPass> marks_;
@@ -116,6 +128,8 @@ private:
     std::unique_ptr<ModeAtlas> atlas_;
     glm::mat4 viewProjection_{1.0f}; ///< of the surfaces drawn last
     float emissionScale_ = 1.0f;
+    int coarseSamples_ = 0;                    ///< in GBuffer::directSum
+    int refinedRounds_ = 0, refinedLight_ = 0; ///< whole ones, and of the next one
 };
 
 } // namespace lightloom

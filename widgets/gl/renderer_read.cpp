@@ -47,6 +47,20 @@ Renderer::Pixels Renderer::readBack() const
     return out;
 }
 
+std::vector<glm::vec4> Renderer::picture(int samples) const
+{
+    if (!buffers_) return {};
+    const auto n = static_cast<float>(samples);
+    std::vector<glm::vec4> out = readColour(gl_, buffers_->summing.id(), GL_COLOR_ATTACHMENT0, buffers_->size);
+    const auto added = readColour(gl_, buffers_->lighting.id(), GL_COLOR_ATTACHMENT0, buffers_->size);
+    for (std::size_t i = 0; i < out.size(); ++i) {
+        const float met = glm::max(out[i].w, 1e-6f), share = refinedShare();
+        const glm::vec4 more = share > 0.0f ? share * added[i] : glm::vec4(0.0f);
+        out[i] = glm::vec4(out[i].x / met + more.x, out[i].y / met + more.y, out[i].z / met + more.z, out[i].w / n);
+    }
+    return out;
+}
+
 std::vector<glm::vec4> Renderer::illuminance(const FrameView& frame, bool indirect)
 {
     if (!buffers_) return {};
@@ -73,7 +87,7 @@ std::optional<float> Renderer::meanLogLuminance() const
     int lit = 0;
     for (const glm::vec4& light : readColour(gl_, buffers_->lighting.id(), GL_COLOR_ATTACHMENT0, buffers_->size)) {
         const float l = luminance({light.x, light.y, light.z});
-        if (!(l > 0.0f) || light.w < 0.5f) continue;
+        if (!(l > 0.0f)) continue; // nothing there, or nothing lit
         sum += std::log2(l);
         ++lit;
     }

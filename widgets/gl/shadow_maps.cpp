@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "widgets/gl/shadow_maps.h"
-#include "core/field/solver.h"
+#include "core/base/units.h"
 #include "shaders/common.h"
 #include <QElapsedTimer>
 #include <algorithm>
 #include <cmath>
+#include <glm/gtc/quaternion.hpp>
 #include <limits>
 
 namespace lightloom {
@@ -24,11 +25,21 @@ glm::mat4 perspective(glm::vec3 eye, glm::vec3 s, glm::vec3 t, glm::vec3 m, floa
     return glm::transpose(glm::mat4(rows[0], rows[1], rows[2], rows[3]));
 }
 
-void axesAround(glm::vec3 m, glm::vec3& s, glm::vec3& t)
+void axesAround(glm::vec3 m, const glm::mat3& turn, glm::vec3& s, glm::vec3& t)
 {
-    const glm::vec3 other = std::abs(m.y) < 0.9f ? glm::vec3(0.0f, 1.0f, 0.0f) : glm::vec3(1.0f, 0.0f, 0.0f);
+    glm::vec3 other = glm::vec3(0.0f, 1.0f, 0.0f) * turn;
+    if (std::abs(glm::dot(m, other)) >= 0.9f) other = glm::vec3(1.0f, 0.0f, 0.0f) * turn;
     s = glm::normalize(glm::cross(other, m));
     t = glm::cross(m, s);
+}
+
+/// Turn number `i` of a sequence that covers all of them evenly (the R3 sequence through Shoemake's quaternions).
+glm::mat3 turnOf(int i)
+{
+    const auto part = [i](double step) { return static_cast<float>(std::fmod(0.5 + i * step, 1.0)); };
+    const float u = part(0.8191725134), v = 2.0f * kPi * part(0.6710436067), w = 2.0f * kPi * part(0.5497004779);
+    const float a = std::sqrt(1.0f - u), b = std::sqrt(u);
+    return glm::mat3_cast(glm::quat(b * std::cos(w), a * std::sin(v), a * std::cos(v), b * std::sin(w)));
 }
 
 float cubeScaleOf(int side) { return (static_cast<float>(side) - 2.0f) / static_cast<float>(side); }
@@ -41,69 +52,86 @@ float farthest(const Bounds& bounds, glm::vec3 p)
 
 } // namespace
 
-ShadowMaps::ShadowMaps(Gl& gl) : gl_(gl), block_(gl) {}
+ShadowMaps::ShadowMaps(Gl& gl) : gl_(gl), block_(gl), blockOfOne_(gl) {}
 
-void ShadowMaps::addCube(const PreviewLight& light, float reach, SampleLight& out)
+void ShadowMaps::addCube(const PreviewLight& light, float reach, int first, const glm::mat3& turn, Maps& out) const
 {
     // s, t, m of the faces +X -X +Y -Y +Z -Z, as cubePlace in mode_direct.frag has them
     const glm::vec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
     const glm::vec3 faces[6][3] = {{-z, -y, x}, {z, -y, -x}, {x, z, y}, {x, -z, -y}, {x, -y, z}, {-x, -y, -z}};
-    out.shadow = glm::vec4(static_cast<float>(cubeLayers_), 1.0f, 0.0f, 1.0f / reach);
-    for (const auto& face : faces) {
-        const int index = cubeLayers_++;
+    out.sample.shadow = glm::vec4(static_cast<float>(first), 1.0f, 0.0f, 1.0f / reach);
+    out.sample.texel.x = 2.0f / static_cast<float>(cubeSide_);
+    const float k = cubeScaleOf(cubeSide_);
+    for (int i = 0; i < 6; ++i) {
+        const glm::vec3 s = faces[i][0] * turn, t = faces[i][1] * turn, m = faces[i][2] * turn; // back by its transpose
         // the half space behind a patch gets no light: a face wholly in it stays empty
-        if (light.kind == shader::kLampSurface && glm::dot(face[2], light.travel) < -0.82f) continue;
-        const float k = cubeScaleOf(cubeSide_);
-        layers_.push_back({true, index, perspective(light.position, face[0], face[1], face[2], k, reach),
-                           glm::vec4(light.position, 1.0f), glm::vec2(0.0f, 1.0f / reach), false});
+        if (light.kind == shader::kLampSurface && glm::dot(m, light.travel) < -0.82f) continue;
+        out.layers.push_back({true, first + i, perspective(light.position, s, t, m, k, reach),
+                              glm::vec4(light.position, 1.0f), glm::vec2(0.0f, 1.0f / reach), false});
     }
-    out.texel.x = 2.0f / static_cast<float>(cubeSide_);
 }
 
-void ShadowMaps::addSpot(const PreviewLight& light, float reach, SampleLight& out)
+void ShadowMaps::addSpot(const PreviewLight& light, float reach, int index, int matrix, const glm::mat3& turn,
+                         Maps& out) const
 {
     const float spread = std::tan(std::acos(light.cosOuter) + 0.02f);
     glm::vec3 s, t;
-    axesAround(light.travel, s, t);
-    const auto index = static_cast<int>(matrices_.size());
-    matrices_.push_back(perspective(light.position, s, t, light.travel, 1.0f / spread, reach));
-    out.shadow = glm::vec4(static_cast<float>(index), 0.0f, 0.0f, 1.0f / reach);
-    out.texel = glm::vec4(2.0f * spread / static_cast<float>(flatSide_), static_cast<float>(index), 0.0f, 0.0f);
-    layers_.push_back(
-        {false, index, matrices_.back(), glm::vec4(light.position, 1.0f), glm::vec2(0.0f, 1.0f / reach), false});
+    axesAround(light.travel, turn, s, t);
+    out.matrix = perspective(light.position, s, t, light.travel, 1.0f / spread, reach);
+    out.sample.shadow = glm::vec4(static_cast<float>(index), 0.0f, 0.0f, 1.0f / reach);
+    out.sample.texel = glm::vec4(2.0f * spread / static_cast<float>(flatSide_), static_cast<float>(matrix), 0.0f, 0.0f);
+    out.layers.push_back(
+        {false, index, *out.matrix, glm::vec4(light.position, 1.0f), glm::vec2(0.0f, 1.0f / reach), false});
 }
 
-void ShadowMaps::addSun(const PreviewLight& light, const Bounds& bounds, SampleLight& out)
+void ShadowMaps::addSun(const PreviewLight& light, int index, int matrix, const glm::mat3& turn, Maps& out) const
 {
     glm::vec3 s, t;
-    axesAround(light.travel, s, t);
+    axesAround(light.travel, turn, s, t);
     glm::vec3 low(std::numeric_limits<float>::max()), high(-std::numeric_limits<float>::max());
     for (int i = 0; i < 8; ++i) {
-        const glm::vec3 corner((i & 1) != 0 ? bounds.high.x : bounds.low.x, (i & 2) != 0 ? bounds.high.y : bounds.low.y,
-                               (i & 4) != 0 ? bounds.high.z : bounds.low.z);
+        const glm::vec3 corner((i & 1) != 0 ? bounds_.high.x : bounds_.low.x,
+                               (i & 2) != 0 ? bounds_.high.y : bounds_.low.y,
+                               (i & 4) != 0 ? bounds_.high.z : bounds_.low.z);
         const glm::vec3 seen(glm::dot(corner, s), glm::dot(corner, t), glm::dot(corner, light.travel));
         low = glm::min(low, seen);
         high = glm::max(high, seen);
     }
-    const float margin = 0.01f * bounds.diagonal() + 1e-6f;
+    const float margin = 0.01f * bounds_.diagonal() + 1e-6f;
     low -= margin;
     high += margin;
     const glm::vec3 scale = 2.0f / (high - low), shift = -(high + low) / (high - low);
-    const glm::mat4 matrix =
+    out.matrix =
         glm::transpose(glm::mat4(glm::vec4(s * scale.x, shift.x), glm::vec4(t * scale.y, shift.y),
                                  glm::vec4(light.travel * scale.z, shift.z), glm::vec4(0.0f, 0.0f, 0.0f, 1.0f)));
-    const auto index = static_cast<int>(matrices_.size());
-    matrices_.push_back(matrix);
     const glm::vec2 range(low.z, 1.0f / (high.z - low.z));
-    out.shadow = glm::vec4(static_cast<float>(index), 0.0f, range.x, range.y);
+    out.sample.shadow = glm::vec4(static_cast<float>(index), 0.0f, range.x, range.y);
     const float texel = glm::max(high.x - low.x, high.y - low.y) / static_cast<float>(flatSide_);
-    out.texel = glm::vec4(texel, static_cast<float>(index), 0.0f, 0.0f);
-    layers_.push_back({false, index, matrix, glm::vec4(light.travel, 0.0f), range, false});
+    out.sample.texel = glm::vec4(texel, static_cast<float>(matrix), 0.0f, 0.0f);
+    out.layers.push_back({false, index, *out.matrix, glm::vec4(light.travel, 0.0f), range, false});
+}
+
+ShadowMaps::Maps ShadowMaps::mapsOf(const PreviewLight& light, int first, int matrix, const glm::mat3& turn) const
+{
+    Maps out;
+    out.sample = {glm::vec4(light.position, static_cast<float>(light.kind)), glm::vec4(light.travel, light.cosInner),
+                  glm::vec4(light.colour, light.kind == shader::kLampSurface ? light.area : light.cosOuter),
+                  glm::vec4(-1.0f), glm::vec4(0.0f)};
+    const float reach = farthest(bounds_, light.position);
+    if (light.inCube) {
+        addCube(light, reach, first, turn, out);
+    } else if (light.kind == shader::kLampSun) {
+        addSun(light, first, matrix, turn, out);
+    } else {
+        addSpot(light, reach, first, matrix, turn, out);
+    }
+    return out;
 }
 
 void ShadowMaps::plan(const DrawData& data)
 {
     lights_ = data.lights;
+    bounds_ = data.scene->bounds;
     samples_.clear();
     matrices_.clear();
     layers_.clear();
@@ -112,19 +140,12 @@ void ShadowMaps::plan(const DrawData& data)
     cubeSide_ = cubes <= 64 ? 512 : 256;
     flatSide_ = 1024;
     for (const PreviewLight& light : lights_) {
-        SampleLight out{glm::vec4(light.position, static_cast<float>(light.kind)),
-                        glm::vec4(light.travel, light.cosInner),
-                        glm::vec4(light.colour, light.kind == shader::kLampSurface ? light.area : light.cosOuter),
-                        glm::vec4(-1.0f), glm::vec4(0.0f)};
-        const float reach = farthest(data.scene->bounds, light.position);
-        if (light.inCube) {
-            addCube(light, reach, out);
-        } else if (light.kind == shader::kLampSun) {
-            addSun(light, data.scene->bounds, out);
-        } else {
-            addSpot(light, reach, out);
-        }
-        samples_.push_back(out);
+        const auto flat = static_cast<int>(matrices_.size());
+        const Maps maps = mapsOf(light, light.inCube ? cubeLayers_ : flat, flat, glm::mat3(1.0f));
+        if (light.inCube) cubeLayers_ += 6;
+        if (maps.matrix) matrices_.push_back(*maps.matrix);
+        layers_.insert(layers_.end(), maps.layers.begin(), maps.layers.end());
+        samples_.push_back(maps.sample);
     }
 }
 
@@ -144,8 +165,8 @@ Result<Done> ShadowMaps::allocate()
         gl_.glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
         return texture;
     };
-    flat_ = make(flatSide_, static_cast<int>(matrices_.size()));
-    cube_ = make(cubeSide_, cubeLayers_);
+    flat_ = make(flatSide_, static_cast<int>(matrices_.size()) + 1); // the last ones are drawOne's
+    cube_ = make(cubeSide_, cubeLayers_ + 6);
     target_ = GlFramebuffer(gl_);
     gl_.glBindFramebuffer(GL_FRAMEBUFFER, target_.id());
     gl_.glDrawBuffer(GL_NONE);
@@ -153,7 +174,7 @@ Result<Done> ShadowMaps::allocate()
     gl_.glDepthMask(GL_TRUE);
     // undrawn layers shade nothing
     for (const auto& [texture, count] :
-         {std::pair(flat_.id(), static_cast<int>(matrices_.size())), std::pair(cube_.id(), cubeLayers_)}) {
+         {std::pair(flat_.id(), static_cast<int>(matrices_.size()) + 1), std::pair(cube_.id(), cubeLayers_ + 6)}) {
         for (int i = 0; i < count; ++i) {
             gl_.glFramebufferTextureLayer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, texture, 0, i);
             if (gl_.glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
@@ -196,61 +217,102 @@ Result<Done> ShadowMaps::setLamps(const DrawData& data)
     return Done{};
 }
 
-bool ShadowMaps::draw(const SceneBuffers& scene, const GlProgram& shadow, double budgetMs)
+void ShadowMaps::drawLayer(const SceneBuffers& scene, const GlProgram& shadow, const Layer& layer)
 {
-    if (isComplete()) return true;
-    QElapsedTimer clock;
-    clock.start();
     gl_.glBindFramebuffer(GL_FRAMEBUFFER, target_.id());
     gl_.glEnable(GL_DEPTH_TEST);
     gl_.glDepthFunc(GL_LESS);
     gl_.glDepthMask(GL_TRUE);
     gl_.glDisable(GL_BLEND);
     shadow.use();
+    const int side = layer.inCube ? cubeSide_ : flatSide_;
+    gl_.glFramebufferTextureLayer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, layer.inCube ? cube_.id() : flat_.id(), 0,
+                                  layer.index);
+    gl_.glViewport(0, 0, side, side);
+    gl_.glClearDepth(1.0);
+    gl_.glClear(GL_DEPTH_BUFFER_BIT);
+    shadow.set("viewProjection", layer.viewProjection);
+    shadow.set("lamp", layer.lamp);
+    shadow.set("range", layer.range);
+    scene.draw(shadow, false, 1.0f);
+    ++layersDrawn_;
+}
+
+bool ShadowMaps::draw(const SceneBuffers& scene, const GlProgram& shadow, double budgetMs)
+{
+    if (isComplete()) return true;
+    QElapsedTimer clock;
+    clock.start();
     for (Layer& layer : layers_) {
         if (layer.isDrawn) continue;
         layer.isDrawn = true;
         --undrawn_;
-        const int side = layer.inCube ? cubeSide_ : flatSide_;
-        gl_.glFramebufferTextureLayer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, layer.inCube ? cube_.id() : flat_.id(), 0,
-                                      layer.index);
-        gl_.glViewport(0, 0, side, side);
-        gl_.glClear(GL_DEPTH_BUFFER_BIT);
-        shadow.set("viewProjection", layer.viewProjection);
-        shadow.set("lamp", layer.lamp);
-        shadow.set("range", layer.range);
-        scene.draw(shadow, false, 1.0f);
-        ++layersDrawn_;
+        drawLayer(scene, shadow, layer);
         gl_.glFinish(); // else the budget would measure how fast commands are queued
         if (static_cast<double>(clock.nsecsElapsed()) >= budgetMs * 1e6) break;
     }
     return isComplete();
 }
 
+int ShadowMaps::refineRounds() const
+{
+    const bool hasExtent = std::ranges::any_of(lights_, [](const PreviewLight& l) { return l.points != nullptr; });
+    return hasExtent ? 32 : 8;
+}
+
+bool ShadowMaps::drawOne(const SceneBuffers& scene, const GlProgram& shadow, int light, int round)
+{
+    PreviewLight one = lights_[static_cast<std::size_t>(light)];
+    one.colour *= gainOf(mix_, one.group);
+    if (one.colour == glm::vec3(0.0f)) return false;
+    if (one.points && !one.points->empty()) {
+        const PreviewLight::Point& at = (*one.points)[static_cast<std::size_t>(round) % one.points->size()];
+        one.position = at.position;
+        one.travel = at.travel;
+    }
+    turnOfOne_ = turnOf(1 + round * lightCount() + light);
+    const int spare = one.inCube ? cubeLayers_ : static_cast<int>(matrices_.size());
+    const Maps maps = mapsOf(one, spare, 0, turnOfOne_);
+    for (const Layer& layer : maps.layers) drawLayer(scene, shadow, layer);
+    fill(blockOfOne_, {maps.sample}, {maps.matrix.value_or(glm::mat4(1.0f))});
+    return true;
+}
+
 void ShadowMaps::setMix(const Mix& mix)
 {
-    std::vector<glm::vec4> block;
-    for (std::size_t i = 0; i < samples_.size(); ++i) {
-        const SampleLight& s = samples_[i];
-        const glm::vec4 colour(glm::vec3(s.colour.x, s.colour.y, s.colour.z) * gainOf(mix, lights_[i].group),
-                               s.colour.w);
-        block.insert(block.end(), {s.position, s.travel, colour, s.shadow, s.texel});
+    mix_ = mix;
+    std::vector<SampleLight> dimmed = samples_;
+    for (std::size_t i = 0; i < dimmed.size(); ++i) {
+        const glm::vec4 c = dimmed[i].colour;
+        dimmed[i].colour = glm::vec4(glm::vec3(c.x, c.y, c.z) * gainOf(mix, lights_[i].group), c.w);
     }
-    block.resize(5 * shader::kMostSampleLights, glm::vec4(0.0f));
-    for (const glm::mat4& m : matrices_) block.insert(block.end(), {m[0], m[1], m[2], m[3]});
-    block.resize(5 * shader::kMostSampleLights + 4 * shader::kMostLamps, glm::vec4(0.0f));
-    gl_.glBindBuffer(GL_UNIFORM_BUFFER, block_.id());
-    gl_.glBufferData(GL_UNIFORM_BUFFER, static_cast<GLsizeiptr>(block.size() * sizeof(glm::vec4)), block.data(),
+    fill(block_, dimmed, matrices_);
+}
+
+void ShadowMaps::fill(const GlBuffer& block, const std::vector<SampleLight>& lights,
+                      const std::vector<glm::mat4>& matrices)
+{
+    std::vector<glm::vec4> data;
+    for (const SampleLight& s : lights) data.insert(data.end(), {s.position, s.travel, s.colour, s.shadow, s.texel});
+    data.resize(5 * shader::kMostSampleLights, glm::vec4(0.0f));
+    for (const glm::mat4& m : matrices) data.insert(data.end(), {m[0], m[1], m[2], m[3]});
+    data.resize(5 * shader::kMostSampleLights + 4 * shader::kMostLamps, glm::vec4(0.0f));
+    gl_.glBindBuffer(GL_UNIFORM_BUFFER, block.id());
+    gl_.glBufferData(GL_UNIFORM_BUFFER, static_cast<GLsizeiptr>(data.size() * sizeof(glm::vec4)), data.data(),
                      GL_DYNAMIC_DRAW);
 }
 
-void ShadowMaps::bind(const GlProgram& direct, int unit) const
+void ShadowMaps::bindMaps(const GlProgram& direct, int unit, const glm::mat3& turn, const GlBuffer& block) const
 {
     direct.setTexture("flatShadows", unit, GL_TEXTURE_2D_ARRAY, flat_.id());
     direct.setTexture("cubeShadows", unit + 1, GL_TEXTURE_2D_ARRAY, cube_.id());
     direct.set("cubeScale", cubeScaleOf(cubeSide_));
+    direct.set("cubeTurn", turn);
     direct.bindBlock("Lamps", kLampBlock);
-    gl_.glBindBufferBase(GL_UNIFORM_BUFFER, kLampBlock, block_.id());
+    gl_.glBindBufferBase(GL_UNIFORM_BUFFER, kLampBlock, block.id());
 }
+
+void ShadowMaps::bind(const GlProgram& direct, int unit) const { bindMaps(direct, unit, glm::mat3(1.0f), block_); }
+void ShadowMaps::bindOne(const GlProgram& direct, int unit) const { bindMaps(direct, unit, turnOfOne_, blockOfOne_); }
 
 } // namespace lightloom

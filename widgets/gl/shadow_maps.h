@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "core/field/solver.h"
 #include "widgets/gl/scene_buffers.h"
+#include <optional>
 
 namespace lightloom {
 
@@ -24,6 +26,11 @@ public:
     /// Hands lights and maps to mode_direct.frag, which is in use: units `unit` and `unit` + 1.
     void bind(const GlProgram& direct, int unit) const;
     [[nodiscard]] int lightCount() const { return static_cast<int>(lights_.size()); }
+    /// One light alone with maps of its own, beside those of all: at point number `round` of its surface, and with its
+    /// maps turned, so that the steps of their texels lie elsewhere each time. False: it is dimmed to nothing.
+    bool drawOne(const SceneBuffers& scene, const GlProgram& shadow, int light, int round);
+    void bindOne(const GlProgram& direct, int unit) const;         ///< as `bind`, of the light drawn last; count 1
+    [[nodiscard]] int refineRounds() const;                        ///< after which lamps and steps of texels are even
     [[nodiscard]] int layersDrawn() const { return layersDrawn_; } ///< since the program began; tests read it
 
 private:
@@ -39,16 +46,30 @@ private:
     struct SampleLight {
         glm::vec4 position, travel, colour, shadow, texel;
     };
+    /// What a light needs of the maps.
+    struct Maps {
+        SampleLight sample;
+        std::vector<Layer> layers;
+        std::optional<glm::mat4> matrix; ///< of its flat layer
+    };
+    /// `first`: its first layer, of cubes or of flat ones; `matrix`: number of its matrix; `turn`: of its maps.
+    [[nodiscard]] Maps mapsOf(const PreviewLight& light, int first, int matrix, const glm::mat3& turn) const;
+    void addCube(const PreviewLight& light, float reach, int first, const glm::mat3& turn, Maps& out) const;
+    void addSpot(const PreviewLight& light, float reach, int index, int matrix, const glm::mat3& turn, Maps& out) const;
+    void addSun(const PreviewLight& light, int index, int matrix, const glm::mat3& turn, Maps& out) const;
     void plan(const DrawData& data);
-    void addCube(const PreviewLight& light, float reach, SampleLight& out);
-    void addSpot(const PreviewLight& light, float reach, SampleLight& out);
-    void addSun(const PreviewLight& light, const Bounds& bounds, SampleLight& out);
     Result<Done> allocate();
+    void drawLayer(const SceneBuffers& scene, const GlProgram& shadow, const Layer& layer);
+    void fill(const GlBuffer& block, const std::vector<SampleLight>& lights, const std::vector<glm::mat4>& matrices);
+    void bindMaps(const GlProgram& direct, int unit, const glm::mat3& turn, const GlBuffer& block) const;
 
     Gl& gl_;
     GlTexture flat_, cube_;
     GlFramebuffer target_;
-    GlBuffer block_;
+    GlBuffer block_, blockOfOne_;
+    Mix mix_;
+    Bounds bounds_;
+    glm::mat3 turnOfOne_{1.0f};
     std::vector<PreviewLight> lights_;
     std::vector<SampleLight> samples_; ///< at gain 1
     std::vector<glm::mat4> matrices_;  ///< of flat layers
