@@ -14,13 +14,17 @@
 
 namespace lightloom {
 
+/// Four numbers that are computed with at once, on every machine.
+using Floats4 = float __attribute__((vector_size(16)));
+using Ints4 = std::int32_t __attribute__((vector_size(16)));
+
 /// Eight numbers that are computed with at once: one register where the machine has AVX2, several elsewhere, with the
 /// same bits. Within functions marked as above only: how they are handed over depends on the machine.
 using Floats8 = float __attribute__((vector_size(32)));
 using Ints8 = std::int32_t __attribute__((vector_size(32)));
 inline constexpr std::size_t kLanes = 8;
 
-/// Number `block` of the groups of eight in an array.
+/// Number `block` of the groups in an array, of as many as `Lanes` holds.
 template<class Lanes, class Element>
 [[gnu::always_inline]] inline auto& lanesOf(Element* values, std::size_t block)
 {

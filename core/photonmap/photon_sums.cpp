@@ -8,7 +8,6 @@
 namespace lightloom {
 namespace {
 
-using Floats4 = float __attribute__((vector_size(16)));
 using Doubles4 = double __attribute__((vector_size(32)));
 using Longs4 = std::int64_t __attribute__((vector_size(32)));
 

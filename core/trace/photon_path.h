@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "core/base/units.h"
+#include "core/base/wide_vectors.h"
 #include "core/trace/medium.h"
 #include "core/trace/photon_tracer.h"
+#include <cstring>
+#include <limits>
 
 namespace lightloom {
 
@@ -12,15 +15,16 @@ struct PhotonBlock {
     const LightSampler& lights;
     const PhotonJob& job;
     std::uint64_t streamKey;     ///< Rng::streamKey of the group
+    float perPhoton;             ///< one over the number shot
     RawVector<Photon> photons{}; ///< the first `stored` count
     std::size_t stored = 0;
     std::uint64_t rayCount = 0, caustic = 0, cutOff = 0;
     Ledger ledger{};
 
-    /// Before so many are stored.
+    /// Before so many are stored. One place more: whole registers are written.
     void makeRoom(std::size_t more)
     {
-        if (photons.size() < stored + more) photons.resize(2 * (stored + more));
+        if (photons.size() <= stored + more) photons.resize(2 * (stored + more) + 1);
     }
 };
 
@@ -33,6 +37,12 @@ struct Departure {
     glm::vec2 aim{0.0f};
 };
 
+/// How it leaves a matte surface: a direction is to be drawn from the cosine around `side` with `aim`.
+struct MatteDeparture {
+    Floats4 origin, side; ///< x, y, z
+    glm::vec2 aim;
+};
+
 /// One photon under way. Where a photon is stored and whether it goes on is as good as random: the usual way is without
 /// branches that depend on it.
 class PhotonPath {
@@ -43,7 +53,7 @@ public:
         rng_ = Rng(block.streamKey, number);
         EmittedPhoton photon;
         if (!block.lights.launch(block.job.group, rng_, photon)) return false;
-        first_ = flux_ = photon.flux * (1.0f / static_cast<float>(block.job.count));
+        first_ = flux_ = photon.flux * block.perPhoton;
         away = {{photon.position, photon.travel}, photon.isUnaimed, photon.side, photon.aim};
         medium_ = Medium();
         bounce_ = 0;
@@ -55,11 +65,48 @@ public:
     void escape() { end_ = &Ledger::escaped; }
 
     /// Takes the photon from a hit onward. False: it ended here. The block has room for it.
-    [[gnu::always_inline]] bool meet(PhotonBlock& block, const Hit& hit, glm::vec3 travel, Departure& away)
+    bool meet(PhotonBlock& block, const Hit& hit, glm::vec3 travel, Departure& away)
     {
         const InstanceLook& look = block.rays.look(hit.instance);
-        if (look.isMatte && medium_.isAir()) return meetMatte(block, hit, look, travel, away);
-        return meetAny(block, hit, travel, away);
+        if (!meetsMatte(look)) return meetAny(block, hit, travel, away);
+        MatteDeparture matte;
+        const SceneTriangle& t = block.rays.triangle(hit.triangle);
+        const bool lives = meetMatte(block, look, t, hit.barycentric, travel, matte);
+        const Floats4 &p = matte.origin, &n = matte.side;
+        away = {{{p[0], p[1], p[2]}, travel}, true, {n[0], n[1], n[2]}, matte.aim};
+        return lives;
+    }
+
+    /// Whether a surface is diffuse and nothing else, as most are, and air before it.
+    [[nodiscard]] bool meetsMatte(const InstanceLook& look) const { return look.isMatte && medium_.isAir(); }
+
+    /// `meet` there.
+    [[gnu::always_inline]] bool meetMatte(PhotonBlock& block, const InstanceLook& look, const SceneTriangle& t,
+                                          glm::vec2 b, glm::vec3 travel, MatteDeparture& away)
+    {
+        const auto of = [](const glm::vec3& v) -> const auto& { return lanesOf<Floats4>(&v.x, 0); };
+        const Floats4 position = of(t.a) * (1.0f - b.x - b.y) + of(t.b) * b.x + of(t.c) * b.y;
+        const float along = glm::dot(t.normal, travel);
+        const bool isFront = along < 0.0f;
+        Ints4 normalBits = lanesOf<Ints4>(&t.normal.x, 0);
+        normalBits ^= isFront ? 0 : std::numeric_limits<std::int32_t>::min(); // changes signs
+        Floats4 normal;
+        std::memcpy(&normal, &normalBits, sizeof normal);
+        const Floats4 back{-travel.x, -travel.y, -travel.z, 0.0f}, flux = of(flux_);
+
+        Photon& photon = block.photons[block.stored];
+        const auto set = [](glm::vec3& v, const Floats4& value) { lanesOf<Floats4>(&v.x, 0) = value; };
+        set(photon.position, position), set(photon.toLight, back), set(photon.flux, flux), set(photon.normal, normal);
+        const auto [u1, u2] = rng_.uniformPair();
+        away = {position + normal * block.rays.offset(), normal, {u1, u2}};
+        if (!arrive(block)) return false;
+
+        const bool isLit = isFront | (along > 0.0f); // not so for triangles without area
+        const bool lives = isLit & (rng_.uniform() < look.survival);
+        flux_ *= look.kept * static_cast<float>(lives); // a choice would become a branch
+        hasDiffused_ = true;
+        ++bounce_;
+        return lives;
     }
 
     /// After the photon ended: what is left of it goes where it ended; what it lost on its way was absorbed (or, where
@@ -78,7 +125,8 @@ private:
         if (medium_.absorbs(hit, surface) && !thin(medium_.transmittance(hit, surface), 1.0f, rng_.uniform()))
             return false;
         const glm::vec3 normal = hit.facing(), back = -travel;
-        if (!arrive(block, hit, normal, back)) return false;
+        block.photons[block.stored] = {hit.position, back, flux_, normal};
+        if (!arrive(block)) return false;
         const auto [u1, u2] = rng_.uniformPair();
         const auto [u3, survive] = rng_.uniformPair();
         Scatter next;
@@ -94,28 +142,11 @@ private:
         return true;
     }
 
-    /// The same where the surface is diffuse and nothing else, as most are.
-    bool meetMatte(PhotonBlock& block, const Hit& hit, const InstanceLook& look, glm::vec3 travel, Departure& away)
-    {
-        const glm::vec3 normal = hit.facing(), back = -travel;
-        if (!arrive(block, hit, normal, back)) return false;
-        const auto [u1, u2] = rng_.uniformPair();
-        const bool isLit = glm::dot(normal, back) > 0.0f; // not so for triangles without area
-        const bool lives = isLit & (rng_.uniform() < look.survival);
-        flux_ *= look.kept * static_cast<float>(lives); // a choice would become a branch
-        hasDiffused_ = true;
-        away.ray.origin = block.rays.leave(hit.position, normal);
-        away.isUnaimed = true, away.side = normal, away.aim = {u1, u2};
-        ++bounce_;
-        return lives;
-    }
-
-    /// Stores the photon if it is to be. False: its path is as long as it may be.
-    bool arrive(PhotonBlock& block, const Hit& hit, glm::vec3 normal, glm::vec3 back)
+    /// After what would be stored was written behind the block's photons. False: the path is as long as it may be.
+    bool arrive(PhotonBlock& block)
     {
         // the first diffuse hit is direct light, computed exactly elsewhere, unless a mirror or glass was on the way
         const bool isStored = bounce_ > 0;
-        block.photons[block.stored] = {hit.position, back, flux_, normal};
         block.stored += isStored ? 1 : 0;
         block.caustic += isStored & hasMirrored_ & !hasDiffused_ ? 1 : 0;
         if (bounce_ + 1 < block.job.pathDepth) return true;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/trace/photon_tracer.h"
 #include "core/base/sampling.h"
+#include "core/trace/photon_joiner.h"
 #include "core/trace/photon_wave.h"
-#include <algorithm>
 #include <atomic>
 #include <limits>
 
@@ -34,32 +34,6 @@ void traceOneByOne(PhotonBlock& block, std::uint64_t number, std::uint64_t end)
     }
 }
 
-/// Null: stopped.
-std::shared_ptr<const PhotonPaths> join(const PhotonJob& job, std::vector<PhotonBlock>& blocks, Workers& workers,
-                                        const std::stop_token& stop)
-{
-    auto paths = std::make_shared<PhotonPaths>();
-    paths->group = job.group;
-    paths->shot = job.count;
-    std::vector<std::size_t> first;
-    std::size_t stored = 0;
-    for (const PhotonBlock& block : blocks) {
-        first.push_back(stored);
-        stored += block.stored;
-        paths->rays += block.rayCount;
-        paths->caustic += block.caustic;
-        paths->cutOff += block.cutOff;
-        paths->ledger += block.ledger;
-    }
-    paths->photons.resize(stored);
-    const bool all = workers.run(blocks.size(), stop, [&](std::size_t b) {
-        std::copy_n(blocks[b].photons.begin(), blocks[b].stored,
-                    paths->photons.begin() + static_cast<std::ptrdiff_t>(first[b]));
-        RawVector<Photon>().swap(blocks[b].photons);
-    });
-    return all ? paths : nullptr;
-}
-
 } // namespace
 
 std::shared_ptr<const PhotonPaths> tracePhotons(const RayScene& rays, const LightSampler& lights, const PhotonJob& job,
@@ -67,20 +41,22 @@ std::shared_ptr<const PhotonPaths> tracePhotons(const RayScene& rays, const Ligh
                                                 const std::function<void(std::uint64_t, std::uint64_t)>& blockDone)
 {
     const std::uint64_t stream = rays.scene().groups[static_cast<std::size_t>(job.group)].key();
+    const std::uint64_t streamKey = Rng::streamKey(job.seed, stream);
     PhotonJob shot = job;
     if (lights.groupFlux(job.group) == glm::vec3(0.0f)) shot.count = 0;
-    std::vector<PhotonBlock> blocks(static_cast<std::size_t>((shot.count + kBlock - 1) / kBlock),
-                                    PhotonBlock{rays, lights, shot, Rng::streamKey(job.seed, stream)});
+    const auto blocks = static_cast<std::size_t>((shot.count + kBlock - 1) / kBlock);
+    PhotonJoiner joiner(shot, blocks);
     std::atomic<std::uint64_t> done = 0;
-    const bool all = workers.run(blocks.size(), stop, [&](std::size_t b) {
+    const bool all = workers.run(blocks, stop, [&](std::size_t b) {
         const std::uint64_t first = b * kBlock, end = std::min(shot.count, first + kBlock);
-        PhotonBlock& block = blocks[b];
+        PhotonBlock block{rays, lights, shot, streamKey, 1.0f / static_cast<float>(shot.count), joiner.memory()};
         block.makeRoom(static_cast<std::size_t>(end - first));
         shot.oneByOne ? traceOneByOne(block, first, end) : PhotonWave(block, first, end).trace();
+        joiner.add(b, std::move(block));
         const std::uint64_t sum = done.fetch_add(end - first) + (end - first);
         if (blockDone) blockDone(sum, shot.count);
     });
-    return all ? join(shot, blocks, workers, stop) : nullptr;
+    return all ? joiner.finish() : nullptr;
 }
 
 } // namespace lightloom

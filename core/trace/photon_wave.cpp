@@ -43,7 +43,7 @@ void PhotonWave::aim()
     aimedCount_ = 0;
 }
 
-/// Rays that go on move up, and never past one that is still to be looked at.
+/// Rays that go on move up, and never past one that is still to be looked at; those that end are overwritten.
 void PhotonWave::meetAll()
 {
     std::array<std::uint8_t, kWidth> freed;
@@ -52,17 +52,7 @@ void PhotonWave::meetAll()
     count_ = 0;
     for (std::size_t ray = 0; ray < count; ++ray) {
         const std::uint8_t place = places_[ray];
-        const Met8& met = met_[ray / kGroup];
-        bool lives = false;
-        if (met.triangle[ray % kGroup] == Met8::kNothing) {
-            photons_[place].escape();
-        } else {
-            const Rays8& rays = rays_[ray / kGroup];
-            const Hit hit = block_.rays.hitOf(rays, met, ray % kGroup);
-            Departure away;
-            lives = photons_[place].meet(block_, hit, rays.travelOf(ray % kGroup), away);
-            if (lives | away.isUnaimed) put(away, count_); // if it does not live, the next takes its place
-        }
+        const bool lives = meet(ray, photons_[place]);
         places_[count_] = freed[freedCount] = place;
         count_ += lives ? 1 : 0;
         freedCount += lives ? 0 : 1;
@@ -71,6 +61,31 @@ void PhotonWave::meetAll()
         photons_[freed[i]].close(block_.ledger);
         startIn(freed[i]);
     }
+}
+
+inline bool PhotonWave::meet(std::size_t ray, PhotonPath& photon)
+{
+    const Rays8& rays = rays_[ray / kGroup];
+    const Met8& met = met_[ray / kGroup];
+    const std::size_t i = ray % kGroup;
+    if (met.triangle[i] == Met8::kNothing) {
+        photon.escape();
+        return false;
+    }
+    const InstanceLook& look = block_.rays.look(met.instance[i]);
+    if (!photon.meetsMatte(look)) {
+        Departure away;
+        const bool lives = photon.meet(block_, block_.rays.hitOf(rays, met, i), rays.travelOf(i), away);
+        if (lives) put(away, count_);
+        return lives;
+    }
+    MatteDeparture away;
+    const SceneTriangle& t = block_.rays.triangle(met.triangle[i]);
+    const bool lives = photon.meetMatte(block_, look, t, {met.u[i], met.v[i]}, rays.travelOf(i), away);
+    Rays8& next = rays_[count_ / kGroup];
+    for (int axis = 0; axis < 3; ++axis) next.origin[axis][count_ % kGroup] = away.origin[axis];
+    draws_.ask(count_, {away.side[0], away.side[1], away.side[2]}, away.aim);
+    return lives;
 }
 
 } // namespace lightloom

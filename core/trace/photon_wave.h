@@ -28,6 +28,7 @@ private:
     }
     void aim();
     void meetAll();
+    bool meet(std::size_t ray, PhotonPath& photon);
 
     PhotonBlock& block_;
     std::uint64_t next_, end_;
