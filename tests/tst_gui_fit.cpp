@@ -2,6 +2,7 @@
 // Claims about what use showed: at 1280 pixels of width nothing of the toolbar is cut off and the snapshots stand
 // beside a legend whole; the form of a lamp is readable under a long list of lamps, whose row is in sight; labels of
 // lights do not hide each other; the figure under the cursor follows lamps and bakes while the mouse rests.
+#include "widgets/bake_panel.h"
 #include "widgets/gl/gl_probe.h"
 #include "widgets/lamp_desk.h"
 #include "widgets/lamp_editor.h"
@@ -137,6 +138,24 @@ private Q_SLOTS:
                      isScene ? Qt::LeftDockWidgetArea : Qt::RightDockWidgetArea);
         }
         QCOMPARE(window_->tabifiedDockWidgets(bake).size(), 2);
+    }
+
+    void figuresOfTheBakeBeforeSaySo()
+    {
+        QAction start, pause, cancel;
+        BakePanel panel(&start, &pause, &cancel);
+        WorkCounters counters;
+        counters.ledger.emitted = counters.ledger.absorbed = glm::dvec3(10.0);
+        panel.begin();
+        panel.end("Done", counters);
+        const QString light = panel.lightText();
+        QVERIFY2(light.startsWith("Light: "), qPrintable(light));
+        for (int i = 0; i < 2; ++i) { // one that is overtaken, and the next
+            panel.begin();
+            QCOMPARE(panel.lightText(), "Bake before: " + light);
+        }
+        panel.end("Done", counters);
+        QCOMPARE(panel.lightText(), light);
     }
 
     void labelsKeepApart()

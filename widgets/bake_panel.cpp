@@ -84,6 +84,7 @@ void BakePanel::clear()
     bar_->setValue(0);
     stage_->setText(tr("Nothing to bake yet."));
     for (QLabel* label : {depths_, noise_, light_, counters_}) label->clear();
+    for (QLabel* label : {light_, counters_}) label->setEnabled(true);
 }
 
 void BakePanel::begin()
@@ -91,6 +92,9 @@ void BakePanel::begin()
     times_.clear();
     bar_->setValue(0);
     stage_->setText(tr("Preparing"));
+    // what the bake before did stays, so that the form below does not jump; it says that it is old
+    if (light_->isEnabled() && !light_->text().isEmpty()) light_->setText(tr("Bake before: %1").arg(light_->text()));
+    for (QLabel* label : {light_, counters_}) label->setEnabled(false);
 }
 
 void BakePanel::forgetDepths() { times_.clear(); }
@@ -123,6 +127,7 @@ void BakePanel::showNoise(const BakeView& view)
 void BakePanel::end(const QString& outcome, const WorkCounters& c)
 {
     stage_->setText(outcome);
+    for (QLabel* label : {light_, counters_}) label->setEnabled(true);
     light_->setText(audit(c.ledger));
     QString text = tr("Photons: %1 shot, %2 stored, %3 kept from before<br>Rays: %4 traced")
                        .arg(count(c.photonsShot), count(c.photonsStored), count(c.photonsReused), count(c.raysTraced));
