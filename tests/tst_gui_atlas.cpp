@@ -14,6 +14,7 @@
 #include "widgets/snapshot_bar.h"
 #include "window_helpers.h"
 #include <QApplication>
+#include <QLabel>
 #include <QSlider>
 
 using namespace lightloom;
@@ -230,6 +231,8 @@ private Q_SLOTS:
         QVERIFY(!viewport.hasAtlas());
         QTest::keyClick(window.get(), Qt::Key_3, Qt::AltModifier);
         QCOMPARE(viewport.mode(), ViewMode::atlas);
+        const auto labels = window->findChildren<QLabel*>();
+        QVERIFY(std::ranges::any_of(labels, [](const QLabel* l) { return l->text().startsWith("Unwrapping"); }));
         QTRY_VERIFY_WITH_TIMEOUT(viewport.hasAtlas(), kPatience);
         QVERIFY(settle(viewport));
         const QImage bright = viewport.grabFramebuffer();

@@ -76,6 +76,7 @@ void AtlasDesk::modeChanged()
 void AtlasDesk::ask()
 {
     isAsked_ = true;
+    Q_EMIT began();
     stop_ = std::stop_source();
     const std::uint64_t serial = ++serial_;
     pool_.start([this, serial, rays = rays_, lights = lights_, stop = stop_.get_token()] {

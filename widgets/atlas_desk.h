@@ -21,6 +21,7 @@ public:
     void modeChanged();                 ///< the viewport's
 
 Q_SIGNALS:
+    void began();                 ///< the octree is shown until it is made
     void made(QString about);     ///< one line about the atlas
     void failed(QString problem); ///< the octree goes on being shown
 

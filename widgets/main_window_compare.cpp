@@ -97,6 +97,8 @@ void MainWindow::connectCompare()
     connect(compareDesk_, &CompareDesk::tracing, this, &MainWindow::tellBusy);
     pickDesk_ = new PickDesk(viewport_, worker_, pick_, this);
     atlasDesk_ = new AtlasDesk(viewport_, this);
+    connect(atlasDesk_, &AtlasDesk::began, this,
+            [this] { statusStage_->setText(tr("Unwrapping the scene; the octree is shown meanwhile")); });
     connect(atlasDesk_, &AtlasDesk::made, this, [this](const QString& about) { statusStage_->setText(about); });
     connect(atlasDesk_, &AtlasDesk::failed, this, [this](const QString& problem) { messages_->show(problem); });
     photonDesk_ = new PhotonDesk(viewport_, this);
