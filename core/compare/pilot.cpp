@@ -174,7 +174,7 @@ private:
     /// What cells add to it, and how long leaves take.
     bool measureOctree(int depth)
     {
-        const auto geometry = octreeGeometry(job_, at(), depth, products_, control_);
+        const auto geometry = octreeGeometry(job_, shots_.front().photons, depth, products_, control_);
         if (!geometry) return false;
         double build = 0;
         for (const StageCost& s : products_.counters.stages) {
@@ -222,7 +222,7 @@ private:
         const double fitted = threadWorkSeconds();
         const bool isMeasured = forEntries(part, [&](std::size_t e) {
             const KernelPlace place{part.entries[e].centroid, part.entries[e].normal, kernel.stretch,
-                                    kernel.leastCosine};
+                                    kernel.leastCosine, part.screensOf(e)};
             radii[e] = static_cast<float>(area.under(place, radii[e]));
         });
         const double areaSeconds = threadWorkSeconds() - fitted;

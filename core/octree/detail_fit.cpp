@@ -2,17 +2,19 @@
 #include "core/octree/detail_fit.h"
 #include "core/base/units.h"
 #include "core/octree/detail_level.h"
+#include "core/octree/entry_screens.h"
 #include "core/octree/layer_fit.h"
 #include "core/octree/octree_blend.h"
 #include "core/octree/octree_build.h"
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 
 namespace lightloom {
 namespace {
 
 constexpr double kApart = 3.0;      ///< standard errors that a neighbour has to differ by
-constexpr double kFewest = 5.0;     ///< photons that a child's kernel has to expect
+constexpr double kFewest = 1.0;     ///< photons that a child's kernel has to expect
 constexpr double kLeastShare = 0.1; ///< of a variance that a difference always has
 constexpr double kMostGain = 25.0;  ///< of one entry: the evidence of few does not speak for all around
 
@@ -47,9 +49,14 @@ public:
             if (control_.isStopped()) return {};
             if (level.parents.empty()) break;
             const CellLattice lattice{job_.base.lowest, job_.base.rootSize, above.depth + 1};
-            level.geometry =
+            const auto leaves =
                 buildLeaves(lattice, {level.parents, above.depth}, job_.reach, control_.workers(), control_.stop());
-            if (!level.geometry || !fit(level, unjudged)) return {};
+            if (!leaves) return {};
+            const bool isScreened = job_.params.gatherScreens == Switch::on;
+            if (isScreened && !findScreens(*leaves, job_.screens, control_.workers(), control_.stop())) return {};
+            level.geometry = leaves;
+            if (!fit(level, unjudged)) return {};
+            darken(level);
             judge(level);
             unjudged.push_back({level.geometry, level.layer});
             levels.push_back(std::move(level));
@@ -98,21 +105,32 @@ private:
         const OctreeGeometry& geometry = *level.geometry;
         level.layer = emptyLayer(geometry, job_.layer.group, job_.params);
         level.gain.resize(geometry.entries.size());
+        level.few.resize(geometry.entries.size());
         const LayerFit fit(geometry, job_.map, job_.area, job_.params, *level.layer);
         fits_ += geometry.entries.size();
         return forBlocks(geometry.entries.size(), [&](std::size_t e) {
             thread_local FitScratch scratch;
             if (fit.fit(static_cast<std::uint32_t>(e), scratch)) ++degenerate_;
             level.gain[e] = static_cast<float>(gain(geometry.entries[e], scratch, above));
+            if (scratch.isFew) level.few[e] = fewOf(scratch.near, scratch.density);
         });
+    }
+
+    static DetailCandidates::Few fewOf(const Density& near, const Density& wide)
+    {
+        const auto lux = [](const Density& d) { return static_cast<double>(luminance(glm::vec3(d.lux))); };
+        const double perPhoton = wide.noise * wide.noise / wide.perFlux * near.perFlux / lux(wide); // lux of one, near
+        if (!(perPhoton > 0.0 && std::isfinite(perPhoton))) return {};
+        return {static_cast<float>(lux(near) / perPhoton), static_cast<float>(lux(wide) / perPhoton)};
     }
 
     /// See DetailCandidates::gain. If the light is what the levels above say, a child's estimate and theirs differ by
     /// noise, whose variance is the child's less theirs: kernels are nested, or nearly.
     [[nodiscard]] double gain(const OctreeEntry& entry, const FitScratch& s, const LampDetail& above) const
     {
+        const Density& density = s.isFew ? s.near : s.density;
         const Answers coarse = answersAround(job_.base, entry.centroid, entry.normal);
-        if (!(coarse.sum > 0.0f) || !(s.density.perFlux > 0.0)) return 0.0;
+        if (!(coarse.sum > 0.0f) || !(density.perFlux > 0.0)) return 0.0;
         const auto blended = [&](const auto& valueOf) {
             const float own = coarse.mean([&](std::size_t e) { return valueOf(job_.layer, e); }) / coarse.sum;
             return static_cast<double>(refined(own, job_.base, above, entry.centroid, entry.normal, valueOf));
@@ -122,12 +140,12 @@ private:
         const double noise = blended([](const VdlLayer& layer, std::size_t e) { return layer.noise[e]; });
         FluxSums sums;
         for (const std::uint32_t number : s.gathered.photons) sums.add(job_.map.photon(number));
-        const double asMean = sums.squares * s.density.perFlux * s.density.perFlux;
-        const double plane = asMean > 0.0 ? std::max(1.0, s.density.noise * s.density.noise / asMean) : 1.0;
+        const double asMean = sums.squares * density.perFlux * density.perFlux;
+        const double plane = asMean > 0.0 && !s.isFew ? std::max(1.0, density.noise * density.noise / asMean) : 1.0;
         // of the light that is expected: chance that gave a kernel too few photons also gives it too little noise
-        const double variance = expected * sums.perPhoton(fluxPerPhoton_) * s.density.perFlux * plane;
+        const double variance = expected * sums.perPhoton(fluxPerPhoton_) * density.perFlux * plane;
         if (!(variance > 0.0)) return 0.0;
-        const double apart = static_cast<double>(luminance(glm::vec3(s.density.lux))) - expected;
+        const double apart = static_cast<double>(luminance(glm::vec3(density.lux))) - expected;
         const double explained = std::max(variance - noise * noise, kLeastShare * variance);
         return std::min((apart * apart - explained) / variance, kMostGain);
     }

@@ -3,6 +3,7 @@
 #include "core/field/bake_control.h"
 #include "core/octree/light_octree.h"
 #include "core/photonmap/photon_map.h"
+#include "core/photonmap/screen_finder.h"
 #include "core/photonmap/surface_area.h"
 
 namespace lightloom {
@@ -12,6 +13,7 @@ struct DetailJob {
     const OctreeGeometry& base; ///< of depth octree.depth
     const VdlLayer& layer;      ///< of `base`
     const LightReach& reach;
+    const ScreenFinder& screens;
     const PhotonMap& map;
     const SurfaceArea& area;
     const BakeParams& params;

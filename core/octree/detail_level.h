@@ -12,11 +12,21 @@ struct DetailCandidates {
     std::vector<std::uint64_t> parents; ///< Morton codes, rising
     std::shared_ptr<const OctreeGeometry> geometry;
     std::shared_ptr<VdlLayer> layer;
-    std::vector<float> gain;  ///< per entry: squared error that the level above is seen to have there, in variances of
-                              ///< the entry itself; scatters around 0 where the level above is right
+    std::vector<float> gain; ///< per entry: squared error that the level above is seen to have there, in variances of
+                             ///< the entry itself; scatters around 0 where the level above is right
+    /// Per entry whose kernel was widened to hold enough photons: photons that lie within the width it should have, and
+    /// photons that the widened one lets expect there. Else none.
+    struct Few {
+        float found = 0.0f, expected = 0.0f;
+    };
+    std::vector<Few> few;
     std::vector<bool> splits; ///< per parent
     [[nodiscard]] std::size_t parentOf(std::size_t leaf) const;
 };
+
+/// Takes light from the entries whose kernels were widened as far as fewer photons than expected are found, there and
+/// just around: a kernel of a given number of photons reaches out of a dark gap into the light before it.
+void darken(DetailCandidates& level);
 
 /// Splits a parent where the mean gain over it and the candidates up to two cells around is worth it: an entry sees a
 /// small kernel, and what is blurred is blurred for some cells around.

@@ -57,9 +57,15 @@ LayerFit::LayerFit(const OctreeGeometry& geometry, const PhotonMap& map, const S
 bool LayerFit::fit(std::uint32_t e, FitScratch& s) const
 {
     const OctreeEntry& entry = geometry_.entries[e];
-    s.density = estimateDensity(map_, area_, kernels_.usual, entry.centroid, entry.normal, s.gathered);
-    if (kernels_.isDetail && s.gathered.photons.size() < kernels_.sparse.count)
-        s.density = estimateDensity(map_, area_, kernels_.sparse, entry.centroid, entry.normal, s.gathered);
+    const auto estimate = [&](const DensityKernel& kernel) {
+        return estimateDensity(map_, area_, kernel, entry.centroid, entry.normal, s.gathered, geometry_.screensOf(e));
+    };
+    s.density = estimate(kernels_.usual);
+    s.isFew = kernels_.isDetail && s.gathered.photons.size() < kernels_.sparse.count;
+    if (s.isFew) {
+        s.near = s.density;
+        s.density = estimate(kernels_.sparse);
+    }
     const Density& density = s.density;
     s.lights.clear();
     for (const std::uint32_t number : s.gathered.photons) {

@@ -11,10 +11,12 @@ void dropUnused(VdlLayer& layer);
 
 /// What one thread needs to fit entries.
 struct FitScratch {
-    Gathered gathered; ///< of the entry that was fitted last
+    Gathered gathered; ///< of the entry that was fitted last: photons that its directions come from
     ClusterScratch clusters;
     std::vector<LightVector> lights;
-    Density density; ///< of the entry that was fitted last
+    Density density;    ///< of the entry that was fitted last
+    bool isFew = false; ///< `gathered` reaches further than leaves of this depth should, to hold enough photons
+    Density near;       ///< then: within the width that they should have, however few photons lie there
 };
 
 /// A layer with room for every entry of the geometry, all black.
@@ -30,7 +32,7 @@ struct LeafKernels {
                           const BakeParams& params);
 };
 inline constexpr float kDetailRadius = 1.5f;
-inline constexpr std::uint32_t kDetailPhotons = 24; ///< few enough for a gap, enough not to show as a dark speck
+inline constexpr std::uint32_t kDetailPhotons = 24; ///< enough not to show as a dark speck
 
 /// Gathers and clusters the entries of one layer. Any number of threads may fit different entries.
 class LayerFit {

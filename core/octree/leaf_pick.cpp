@@ -76,7 +76,6 @@ std::vector<glm::vec3> gatheredPhotons(const LightOctree& octree, const LeafPick
                                        const SurfaceArea& area, const BakeParams& params)
 {
     const OctreeGeometry& whole = octree.geometry();
-    OctreeEntry surface = leaf.entries[static_cast<std::size_t>(entry)].surface;
     int depth = leaf.depth;
     glm::ivec3 cell = leaf.cell;
     const auto own = [&](int d) { // the lamp's leaves of that depth, null where it has none
@@ -88,13 +87,14 @@ std::vector<glm::vec3> gatheredPhotons(const LightOctree& octree, const LeafPick
         return level == 0 ? &whole : nullptr;
     };
     while (depth > whole.depth && (!own(depth) || own(depth)->leafAt(cell) < 0)) --depth, cell = cell >> 1;
-    if (depth < leaf.depth) { // this lamp's light does not call for a leaf as deep
-        const std::int64_t at = own(depth)->leafAt(cell);
-        const std::int64_t covers = at < 0 ? -1 : entryFor(*own(depth), at, surface.normal);
-        if (covers < 0) return {};
-        surface = own(depth)->entries[static_cast<std::size_t>(covers)];
-    }
-    OctreeGeometry alone{depth, whole.lowest, whole.rootSize, {mortonCode(glm::uvec3(cell))}, {0, 1}, {surface}};
+    // where this lamp's light does not call for a leaf as deep, what stands above
+    const OctreeGeometry& from = *own(depth);
+    const std::int64_t at = from.leafAt(cell);
+    const std::int64_t entryThere =
+        at < 0 ? -1 : entryFor(from, at, leaf.entries[static_cast<std::size_t>(entry)].surface.normal);
+    if (entryThere < 0) return {};
+    OctreeGeometry alone{depth, whole.lowest, whole.rootSize, {mortonCode(glm::uvec3(cell))}, {0, 1}, {}, {}, {}};
+    alone.take(from, static_cast<std::size_t>(entryThere));
     const auto layer = emptyLayer(alone, 0, params);
     FitScratch scratch;
     (void)LayerFit(alone, map, area, params, *layer).fit(0, scratch);

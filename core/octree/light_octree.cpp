@@ -244,6 +244,16 @@ std::vector<Vdl> LightOctree::mixed(At at, int most) const
     return out;
 }
 
+void OctreeGeometry::take(const OctreeGeometry& from, std::size_t entry)
+{
+    entries.push_back(from.entries[entry]);
+    if (from.firstScreen.empty()) return;
+    if (firstScreen.empty()) firstScreen.push_back(0);
+    const Screens some = from.screensOf(entry);
+    screens.insert(screens.end(), some.begin(), some.end());
+    firstScreen.push_back(static_cast<std::uint32_t>(screens.size()));
+}
+
 OctreeGeometry leavesRead(const OctreeGeometry& geometry, std::span<const ProbePoint> points)
 {
     std::vector<std::size_t> leaves;
@@ -257,12 +267,12 @@ OctreeGeometry leavesRead(const OctreeGeometry& geometry, std::span<const ProbeP
     std::ranges::sort(leaves);
     const auto doubled = std::ranges::unique(leaves);
     leaves.erase(doubled.begin(), doubled.end());
-    OctreeGeometry part{geometry.depth, geometry.lowest, geometry.rootSize, {}, {}, {}};
+    OctreeGeometry part{geometry.depth, geometry.lowest, geometry.rootSize, {}, {}, {}, {}, {}};
     for (const std::size_t leaf : leaves) {
         part.cells.push_back(geometry.cells[leaf]);
         part.firstEntry.push_back(static_cast<std::uint32_t>(part.entries.size()));
         for (std::uint32_t e = geometry.firstEntry[leaf]; e < geometry.firstEntry[leaf + 1]; ++e)
-            part.entries.push_back(geometry.entries[e]);
+            part.take(geometry, e);
     }
     part.firstEntry.push_back(static_cast<std::uint32_t>(part.entries.size()));
     return part;

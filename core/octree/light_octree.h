@@ -2,6 +2,7 @@
 #pragma once
 #include "core/field/indirect_field.h"
 #include "core/params/bake_params.h"
+#include "core/photonmap/screens.h"
 #include "core/trace/reference.h"
 #include <span>
 #include <vector>
@@ -24,6 +25,17 @@ struct OctreeGeometry {
     std::vector<std::uint64_t> cells; ///< Morton code of the cell, rising
     std::vector<std::uint32_t> firstEntry;
     std::vector<OctreeEntry> entries;
+    /// Walls that entries do not gather across: entry e has [firstScreen[e], firstScreen[e+1]); empty: no entry has
+    /// any. Wanted for fits alone.
+    std::vector<std::uint32_t> firstScreen;
+    std::vector<Screen> screens;
+    [[nodiscard]] Screens screensOf(std::size_t entry) const
+    {
+        if (firstScreen.empty()) return {};
+        return Screens(screens).subspan(firstScreen[entry], firstScreen[entry + 1] - firstScreen[entry]);
+    }
+    /// Appends an entry of another geometry, and its screens.
+    void take(const OctreeGeometry& from, std::size_t entry);
     [[nodiscard]] float cellSize() const { return rootSize / static_cast<float>(1u << depth); }
     /// Leaf at integer cell coordinates, or -1. O(log leaves).
     [[nodiscard]] std::int64_t leafAt(glm::ivec3 cell) const;

@@ -64,8 +64,8 @@ private:
     std::vector<Gathering> open_;
 };
 
-std::shared_ptr<const OctreeGeometry> build(const CellLattice& lattice, const std::optional<CellsWithin>& within,
-                                            const LightReach& reach, Workers& workers, const std::stop_token& stop)
+std::shared_ptr<OctreeGeometry> build(const CellLattice& lattice, const std::optional<CellsWithin>& within,
+                                      const LightReach& reach, Workers& workers, const std::stop_token& stop)
 {
     const CellPieces clipped = clipToCells(reach.facets(), lattice, workers, stop, within);
     if (!clipped.complete) return nullptr;
@@ -87,15 +87,14 @@ std::shared_ptr<const OctreeGeometry> build(const CellLattice& lattice, const st
 
 } // namespace
 
-std::shared_ptr<const OctreeGeometry> buildOctree(const Bounds& bounds, const LightReach& reach, int depth, float shift,
-                                                  Workers& workers, const std::stop_token& stop)
+std::shared_ptr<OctreeGeometry> buildOctree(const Bounds& bounds, const LightReach& reach, int depth, float shift,
+                                            Workers& workers, const std::stop_token& stop)
 {
     return build(latticeOver(bounds, depth, shift), {}, reach, workers, stop);
 }
 
-std::shared_ptr<const OctreeGeometry> buildLeaves(const CellLattice& lattice, const CellsWithin& within,
-                                                  const LightReach& reach, Workers& workers,
-                                                  const std::stop_token& stop)
+std::shared_ptr<OctreeGeometry> buildLeaves(const CellLattice& lattice, const CellsWithin& within,
+                                            const LightReach& reach, Workers& workers, const std::stop_token& stop)
 {
     return build(lattice, within, reach, workers, stop);
 }

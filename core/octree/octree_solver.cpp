@@ -2,6 +2,7 @@
 #include "core/octree/octree_solver.h"
 #include "core/octree/detail_fit.h"
 #include "core/octree/detail_union.h"
+#include "core/octree/entry_screens.h"
 #include "core/octree/layer_fit.h"
 #include "core/octree/octree_build.h"
 #include "core/params/param_text.h"
@@ -38,7 +39,7 @@ public:
 
     Result<Done> depth(int d)
     {
-        const auto geometry = octreeGeometry(job_, photons_.scene, d, products_, control_);
+        const auto geometry = octreeGeometry(job_, photons_, d, products_, control_);
         if (!geometry) return cancelled();
         products_.counters.leaves = geometry->cells.size();
         products_.counters.entries = geometry->entries.size();
@@ -94,7 +95,9 @@ private:
         const std::string key = photons_.scene.layerKey(g) + stageKey(direct, Stage::fit, Method::lightOctree);
         if (auto kept = products_.find<LampDetail>(key)) return kept;
         const StageClock clock("detail", control_);
-        const DetailJob job{geometry, layer, *photons_.scene.reach, *photons_.maps[g], *photons_.area, job_.params};
+        const ScreenFinder finder(*photons_.scene.rays, *photons_.scene.reach, *photons_.area);
+        const DetailJob job{geometry,       layer,      *photons_.scene.reach, finder, *photons_.maps[g],
+                            *photons_.area, job_.params};
         const DetailResult made = fitDetail(job, control_);
         if (!made.detail) return nullptr;
         products_.counters.gathers += made.fits;
@@ -183,16 +186,23 @@ BakeParams roughParams(BakeParams params)
     return params;
 }
 
-std::shared_ptr<const OctreeGeometry> octreeGeometry(const BakeJob& job, const SceneProducts& at, int depth,
+std::shared_ptr<const OctreeGeometry> octreeGeometry(const BakeJob& job, const PhotonProducts& at, int depth,
                                                      BakeProducts& products, BakeControl& control)
 {
-    const std::string key = fmt::format("{}d{} shift{}", at.reachKey, depth, job.params.gridShift);
-    auto geometry = products.find<OctreeGeometry>(key);
-    if (geometry) return geometry;
+    const bool isScreened = job.params.gatherScreens == Switch::on;
+    const std::string key =
+        fmt::format("{}d{} shift{}{}", at.scene.reachKey, depth, job.params.gridShift, isScreened ? " screens" : "");
+    if (auto kept = products.find<OctreeGeometry>(key)) return kept;
     const StageClock clock(fmt::format("octree d{}", depth), control);
-    geometry =
-        buildOctree(job.scene->bounds, *at.reach, depth, job.params.gridShift, control.workers(), control.stop());
-    if (geometry) products.keep(key, geometry, clock.stop());
+    const LightReach& reach = *at.scene.reach;
+    const auto geometry =
+        buildOctree(job.scene->bounds, reach, depth, job.params.gridShift, control.workers(), control.stop());
+    if (!geometry) return nullptr;
+    if (isScreened) {
+        const ScreenFinder finder(*at.scene.rays, reach, *at.area);
+        if (!findScreens(*geometry, finder, control.workers(), control.stop())) return nullptr;
+    }
+    products.keep<OctreeGeometry>(key, geometry, clock.stop());
     return geometry;
 }
 

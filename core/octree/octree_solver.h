@@ -5,6 +5,8 @@
 
 namespace lightloom {
 
+struct PhotonProducts;
+
 /// Photons -> kd-tree -> octree of rising depth -> gather and cluster per entry; each depth is published.
 class OctreeSolver final : public Solver {
 public:
@@ -17,6 +19,6 @@ public:
 
 /// Leaves of one depth for the job's scene and lattice shift, from `products` or built now. Null: stopped.
 [[nodiscard]] std::shared_ptr<const OctreeGeometry>
-octreeGeometry(const BakeJob& job, const SceneProducts& at, int depth, BakeProducts& products, BakeControl& control);
+octreeGeometry(const BakeJob& job, const PhotonProducts& at, int depth, BakeProducts& products, BakeControl& control);
 
 } // namespace lightloom

@@ -41,6 +41,7 @@ struct BakeParams {
     GatherFit gatherFit = GatherFit::plane;
     Switch gatherAdapt = Switch::on;
     Switch gatherFilter = Switch::on;
+    Switch gatherScreens = Switch::on;
     int octreeDepth = 6;
     int octreeFirstDepth = 4;
     int octreeDetail = 2;
@@ -130,6 +131,8 @@ inline constexpr std::array kParams{
               "on: fewer photons than K where light changes within the kernel by more than its noise. off: K everywhere."},
     ParamSpec{"gather.filter", "Filter by normal", "", 0, 1, 1, kForPhotons, Stage::fit, &BakeParams::gatherFilter, kSwitchNames,
               "on: only photons on surfaces within 60 degrees of the point's. off: all, which bleeds round corners."},
+    ParamSpec{"gather.screens", "Stop at walls", "", 0, 1, 1, kForOctree, Stage::build, &BakeParams::gatherScreens, kSwitchNames,
+              "on: leaves take no photons from behind a wall that stands on their surface. off: light leaks along floors, walls and ceilings."},
     ParamSpec{"photons.lookup", "Photon lookup", "", 0, 1, 1, kForPhotonMap, Stage::fit, &BakeParams::photonLookup, kPhotonLookupNames,
               "direct: density estimation at every point. christensen: kept at every 4th photon, the nearest answers; fast, in patches."},
     ParamSpec{"vdl.count", "Lights per leaf (k)", "", 1, 8, 1, kForOctree, Stage::fit, &BakeParams::vdlCount, {},

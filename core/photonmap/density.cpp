@@ -145,13 +145,13 @@ Weights fitted(const PhotonSums& sums, const AreaMoments& m, double radius, Gath
 } // namespace
 
 Density estimateDensity(const PhotonMap& map, const SurfaceArea& area, const DensityKernel& kernel, glm::vec3 p,
-                        glm::vec3 n, Gathered& gathered)
+                        glm::vec3 n, Gathered& gathered, Screens screens)
 {
-    const GatherQuery query{p, n, kernel.cap, kernel.stretch, kernel.leastCosine, kernel.count};
+    const GatherQuery query{p, n, kernel.cap, kernel.stretch, kernel.leastCosine, kernel.count, screens};
     map.gather(query, gathered);
     const Kernels kernels = nestedKernels(kernel, gathered);
     std::array<AreaMoments, kMostKernels> moments;
-    const KernelPlace place{p, n, kernel.stretch, kernel.leastCosine};
+    const KernelPlace place{p, n, kernel.stretch, kernel.leastCosine, screens};
     area.under(place, std::span(kernels.radii).first(kernels.size), std::span(moments).first(kernels.size));
 
     Density density;

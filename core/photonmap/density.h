@@ -39,8 +39,8 @@ struct Density {
 /// linear estimation: Lejeune and Sarda 1992; exact moments from SurfaceArea), so that neither the end of a wall nor a
 /// gradient shifts it. Adaptive: kernels of 32, 64, 128 ... K photons from the smallest up, until one contradicts two
 /// smaller ones by more than their noise allows (Lepski 1991); `gathered` keeps the photons and the radius of the last
-/// that did not.
+/// that did not. What `screens` hide counts neither as photons nor as surface.
 [[nodiscard]] Density estimateDensity(const PhotonMap& map, const SurfaceArea& area, const DensityKernel& kernel,
-                                      glm::vec3 p, glm::vec3 n, Gathered& gathered);
+                                      glm::vec3 p, glm::vec3 n, Gathered& gathered, Screens screens = {});
 
 } // namespace lightloom

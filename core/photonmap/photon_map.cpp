@@ -139,6 +139,7 @@ struct PhotonMap::Search {
     std::uint64_t* keys;      // candidates
     std::size_t found = 0;
     std::vector<std::uint64_t>& work;
+    Screens screens;
 
     /// Keeps the K nearest.
     void thin()
@@ -186,9 +187,21 @@ LIGHTLOOM_WIDE_VECTORS std::size_t PhotonMap::addBlock(const Search& search, con
     return addNear(search, block.x, block.y, block.z, block.nx, block.ny, block.nz, number);
 }
 
+/// Of the last `added` candidates, those that no screen hides. Returns how many.
+std::size_t PhotonMap::keepSeen(const Search& search, std::size_t added) const
+{
+    const glm::vec3 centre(search.centre[0], search.centre[1], search.centre[2]);
+    std::uint64_t* const first = search.keys + search.found;
+    const auto isGone = [&](std::uint64_t key) {
+        return isHidden(search.screens, photon(static_cast<std::uint32_t>(key)).position - centre);
+    };
+    return static_cast<std::size_t>(std::remove_if(first, first + added, isGone) - first);
+}
+
 void PhotonMap::scan(Search& search, std::uint32_t number) const
 {
-    search.found += addBlock(search, blocks_[number], number * kBlock);
+    const std::size_t added = addBlock(search, blocks_[number], number * kBlock);
+    search.found += search.screens.empty() ? added : keepSeen(search, added);
     if (search.found + kBlock > search.room) search.thin();
 }
 
@@ -229,7 +242,8 @@ void PhotonMap::gather(const GatherQuery& query, Gathered& out) const
                   room,
                   out.candidates.data(),
                   0,
-                  out.work};
+                  out.work,
+                  query.screens};
     // if a guess holds enough photons it holds the nearest; if not, the search begins again with a wider one
     float radius = out.expected > 0.0f ? out.expected : everyRadius_ * std::sqrt(static_cast<float>(wanted));
     while (true) {

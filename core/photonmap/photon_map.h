@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "core/photonmap/box_groups.h"
+#include "core/photonmap/screens.h"
 #include "core/trace/photon_tracer.h"
 #include <cstdint>
 #include <vector>
@@ -16,6 +17,7 @@ struct GatherQuery {
     float stretch = 1.0f;
     float leastCosine = 0.5f;
     std::uint32_t count = 100; ///< K: the nearest that many
+    Screens screens{};         ///< photons that they hide are not taken
 };
 
 /// What a gather found: always the same photons in the same order, that of their numbers.
@@ -66,6 +68,7 @@ private:
                       const std::stop_token& stop);
     BoxGroups::Box fill(std::uint32_t block);
     void collect(Search& search, BoxGroups::Near& near) const;
+    [[nodiscard]] std::size_t keepSeen(const Search& search, std::size_t added) const;
     void scan(Search& search, std::uint32_t block) const;
     static std::size_t addBlock(const Search& search, const Block& block, std::uint32_t number);
 

@@ -25,18 +25,14 @@ public:
         std::ranges::fill(out_, AreaMoments{});
     }
 
-    void add(const ReachedFacet& f)
+    void add(const ReachedFacet& f) { add(fromCentre(f), 1.0); }
+
+    /// Takes off what the screen hides of a facet.
+    void hide(const ReachedFacet& f, const Screen& screen)
     {
-        const glm::dvec3 a = glm::dvec3(f.a) - centre_, b = glm::dvec3(f.b) - centre_, c = glm::dvec3(f.c) - centre_;
-        const double real = glm::length(glm::cross(b - a, c - a));
-        if (!(real > 0.0)) return;
-        // stretching along the normal turns the ellipsoid into a ball; tangential coordinates stay
-        const Corners at{stretched(a), stretched(b), stretched(c)};
-        const double far = std::max({glm::dot(at.a, at.a), glm::dot(at.b, at.b), glm::dot(at.c, at.c)});
-        std::size_t whole = radii_.size();
-        while (whole > 0 && squared(whole - 1) >= far) --whole;
-        if (whole < radii_.size()) whole_[whole] += momentsOfTriangle(flat(a), flat(b), flat(c), 0.5 * real);
-        cut(at, real, whole);
+        const HiddenPart hidden(screen, fromCentre(f));
+        const std::span<const glm::dvec3> corners = hidden.corners();
+        for (std::size_t i = 2; i < corners.size(); ++i) add({corners[0], corners[i - 1], corners[i]}, -1.0);
     }
 
     void finish()
@@ -49,6 +45,26 @@ public:
     }
 
 private:
+    using Triangle = std::array<glm::dvec3, 3>; // from the centre
+    [[nodiscard]] Triangle fromCentre(const ReachedFacet& f) const
+    {
+        return {glm::dvec3(f.a) - centre_, glm::dvec3(f.b) - centre_, glm::dvec3(f.c) - centre_};
+    }
+
+    /// Counted `times`.
+    void add(const Triangle& t, double times)
+    {
+        const double real = times * glm::length(glm::cross(t[1] - t[0], t[2] - t[0]));
+        if (!(std::abs(real) > 0.0)) return;
+        // stretching along the normal turns the ellipsoid into a ball; tangential coordinates stay
+        const Corners at{stretched(t[0]), stretched(t[1]), stretched(t[2])};
+        const double far = std::max({glm::dot(at.a, at.a), glm::dot(at.b, at.b), glm::dot(at.c, at.c)});
+        std::size_t whole = radii_.size();
+        while (whole > 0 && squared(whole - 1) >= far) --whole;
+        if (whole < radii_.size()) whole_[whole] += momentsOfTriangle(flat(t[0]), flat(t[1]), flat(t[2]), 0.5 * real);
+        cut(at, real, whole);
+    }
+
     struct Corners {
         glm::dvec3 a, b, c;
     };
@@ -93,6 +109,14 @@ private:
     double stretch_;
 };
 
+FacetBlock without(FacetBlock block, unsigned bits)
+{
+    for (std::size_t i = 0; i < FacetBlock::kCount; ++i) {
+        if (bits >> i & 1) block.area[i] = 0.0f;
+    }
+    return block;
+}
+
 } // namespace
 
 SurfaceArea::SurfaceArea(const LightReach& reach) : facets_(reach.fewerFacets()), total_(reach.area()) {}
@@ -104,16 +128,15 @@ std::shared_ptr<const SurfaceArea> SurfaceArea::build(const LightReach& reach, c
     if (count > 0) made->order(0, count, stop);
     if (stop.stop_requested()) return nullptr;
     made->blocks_.reserve((count + FacetBlock::kCount - 1) / FacetBlock::kCount);
-    std::vector<BoxGroups::Box> boxes;
     for (std::uint32_t first = 0; first < count; first += FacetBlock::kCount) {
         const auto facets =
             std::span(made->facets_).subspan(first).first(std::min<std::size_t>(FacetBlock::kCount, count - first));
         made->blocks_.emplace_back(facets);
         BoxGroups::Box box;
         for (const ReachedFacet& f : facets) box.add(f.a), box.add(f.b), box.add(f.c);
-        boxes.push_back(box);
+        made->bounds_.push_back(box);
     }
-    made->boxes_ = BoxGroups(boxes);
+    made->boxes_ = BoxGroups(made->bounds_);
     return made;
 }
 
@@ -137,24 +160,87 @@ void SurfaceArea::order(std::uint32_t first, std::uint32_t last, const std::stop
     order(middle, last, stop);
 }
 
+SurfaceArea::Behind SurfaceArea::facetsBehind(const KernelPlace& place, std::size_t number, float small) const
+{
+    Behind behind;
+    const BoxGroups::Box& box = bounds_[number];
+    const glm::vec3 middle = 0.5f * (box.low + box.high) - place.centre, half = 0.5f * (box.high - box.low);
+    const auto mayHide = [&](const Screen& screen) {
+        return glm::dot(screen.away, middle) + glm::dot(glm::abs(screen.away), half) > screen.behind;
+    };
+    if (std::ranges::none_of(place.screens, mayHide)) return behind;
+
+    const FacetBlock& block = blocks_[number];
+    for (std::size_t i = 0; i < FacetBlock::kCount; ++i) {
+        const glm::vec3 normal(block.nx[i], block.ny[i], block.nz[i]);
+        if (!(block.area[i] > 0.0f && glm::dot(normal, place.normal) > place.leastCosine)) continue;
+        const glm::vec3 centroid = glm::vec3(block.x[i], block.y[i], block.z[i]) - place.centre;
+        const auto reachesBehind = [&](const Screen& screen) {
+            return glm::dot(screen.away, centroid) + block.reach[i] > screen.behind;
+        };
+        if (block.reach[i] < small) {
+            if (isHidden(place.screens, centroid)) behind.hidden |= 1u << i;
+        } else if (std::ranges::any_of(place.screens, reachesBehind)) {
+            behind.cut |= 1u << i;
+        }
+    }
+    return behind;
+}
+
 void SurfaceArea::under(const KernelPlace& place, std::span<const float> radii, std::span<AreaMoments> out) const
 {
     assert(radii.size() <= kMostRadii && out.size() == radii.size());
     KernelSum sum(place, radii, out);
     if (blocks_.empty() || radii.empty()) return;
     const Frame frame(place.normal);
-    BlockSums small(place.centre, place.normal, frame.tangent, frame.bitangent, place.stretch, place.leastCosine,
-                    kSmall * radii.front(), radii);
+    const float least = kSmall * radii.front();
+    BlockSums small(place.centre, place.normal, frame.tangent, frame.bitangent, place.stretch, place.leastCosine, least,
+                    radii);
     thread_local BoxGroups::Near near;
     // the ellipsoid lies within the ball
     for (const std::uint64_t key : boxes_.within(place.centre, radii.back() * radii.back(), near)) {
-        const auto block = static_cast<std::uint32_t>(key);
+        const auto number = static_cast<std::uint32_t>(key);
+        const std::uint32_t first = number * FacetBlock::kCount;
         std::uint32_t large[FacetBlock::kCount];
-        const std::size_t count = small.add(blocks_[block], block * FacetBlock::kCount, large);
+        const Behind behind = facetsBehind(place, number, least);
+        const FacetBlock& block = blocks_[number];
+        const std::size_t count = behind.isAny() ? small.add(without(block, behind.hidden | behind.cut), first, large)
+                                                 : small.add(block, first, large);
         for (std::size_t i = 0; i < count; ++i) sum.add(facets_[large[i]]);
+        for (unsigned bits = behind.cut; bits != 0; bits &= bits - 1) {
+            const ReachedFacet& facet = facets_[first + static_cast<std::uint32_t>(std::countr_zero(bits))];
+            sum.add(facet);
+            for (const Screen& screen : place.screens) sum.hide(facet, screen);
+        }
     }
     sum.finish();
     for (std::size_t j = 0; j < radii.size(); ++j) out[j] += small.sum(j);
+}
+
+bool SurfaceArea::isAnyHidden(const KernelPlace& place, float radius) const
+{
+    const auto hides = [&](const Screen& screen, const ReachedFacet& facet) {
+        const glm::dvec3 centre(place.centre);
+        const HiddenPart hidden(
+            screen, {glm::dvec3(facet.a) - centre, glm::dvec3(facet.b) - centre, glm::dvec3(facet.c) - centre});
+        if (hidden.corners().empty()) return false;
+        glm::dvec3 low = hidden.corners()[0], high = low;
+        for (const glm::dvec3 corner : hidden.corners()) low = glm::min(low, corner), high = glm::max(high, corner);
+        return glm::length(glm::max(glm::max(low, -high), glm::dvec3(0.0))) < static_cast<double>(radius);
+    };
+    thread_local BoxGroups::Near near;
+    for (const std::uint64_t key : boxes_.within(place.centre, radius * radius, near)) {
+        const auto number = static_cast<std::uint32_t>(key);
+        const Behind behind = facetsBehind(place, number, kSmall * radius);
+        if (behind.hidden != 0) return true;
+        for (unsigned bits = behind.cut; bits != 0; bits &= bits - 1) {
+            const ReachedFacet& facet =
+                facets_[number * FacetBlock::kCount + static_cast<std::uint32_t>(std::countr_zero(bits))];
+            if (std::ranges::any_of(place.screens, [&](const Screen& screen) { return hides(screen, facet); }))
+                return true;
+        }
+    }
+    return false;
 }
 
 double SurfaceArea::under(const KernelPlace& place, float radius) const

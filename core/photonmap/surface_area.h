@@ -2,6 +2,7 @@
 #pragma once
 #include "core/photonmap/box_groups.h"
 #include "core/photonmap/facet_blocks.h"
+#include "core/photonmap/screens.h"
 #include "core/trace/light_reach.h"
 #include <array>
 
@@ -12,6 +13,7 @@ struct KernelPlace {
     glm::vec3 centre{0.0f}, normal{0.0f, 1.0f, 0.0f};
     float stretch = 1.0f;     ///< of distances along the normal
     float leastCosine = 0.5f; ///< between the surface's normal and `normal`
+    Screens screens{};        ///< surface that they hide does not count
 };
 
 /// The scene's reached surface in blocks of eight facets that lie together, to ask how much lies under a gather kernel.
@@ -32,15 +34,25 @@ public:
     /// Area alone, m2.
     [[nodiscard]] double under(const KernelPlace& place, float radius) const;
 
+    /// Whether the place's screens hide any surface that would count within `radius`.
+    [[nodiscard]] bool isAnyHidden(const KernelPlace& place, float radius) const;
+
     [[nodiscard]] double total() const { return total_; } ///< of all reached sides, m2
 
 private:
     explicit SurfaceArea(const LightReach& reach);
     void order(std::uint32_t first, std::uint32_t last, const std::stop_token& stop);
+    /// Bits of a block's facets. Facets with a reach below `small` are hidden by their centroid.
+    struct Behind {
+        unsigned hidden = 0, cut = 0; ///< cut: perhaps hidden in part
+        [[nodiscard]] bool isAny() const { return (hidden | cut) != 0; }
+    };
+    [[nodiscard]] Behind facetsBehind(const KernelPlace& place, std::size_t block, float small) const;
 
     std::vector<ReachedFacet> facets_; // ordered so that eight by eight lie together
     std::vector<FacetBlock> blocks_;
-    BoxGroups boxes_; // of the blocks
+    std::vector<BoxGroups::Box> bounds_; // of the blocks
+    BoxGroups boxes_;                    // the same
     double total_ = 0.0;
 };
 

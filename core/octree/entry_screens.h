@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "core/octree/light_octree.h"
+#include "core/photonmap/screen_finder.h"
+
+namespace lightloom {
+
+/// Finds the screens of all entries, for kernels of up to kScreenReach cells. Entries whose centroid is buried in a
+/// solid (triangles count as reached to a little beyond the foot of a wall) move to what is seen of their surface;
+/// those of which nothing is seen go. False: stopped, do not use.
+[[nodiscard]] bool findScreens(OctreeGeometry& geometry, const ScreenFinder& finder, Workers& workers,
+                               const std::stop_token& stop);
+inline constexpr float kScreenReach = 5.0f;
+
+} // namespace lightloom

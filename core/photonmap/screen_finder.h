@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "core/base/sampling.h"
+#include "core/photonmap/surface_area.h"
+#include "core/trace/ray_scene.h"
+#include <optional>
+
+namespace lightloom {
+
+/// What stands around a gather kernel's centre. Walls part the surface of a plane: light in front of one says nothing
+/// of the light behind it, and without screens it leaks along floors, ceilings and walls however thick the wall is.
+/// Any thread may ask.
+class ScreenFinder {
+public:
+    /// All three are kept by reference.
+    ScreenFinder(const RayScene& rays, const LightReach& reach, const SurfaceArea& area);
+
+    /// Appends the screens of a kernel around `p`, on a surface facing `n` (unit), that hide reached surface within
+    /// `radius`. Walls are looked for in 16 directions, `height` above the surface or half way to what lies over it.
+    /// False: `p` is buried: most ways lead to sides that light does not reach.
+    [[nodiscard]] bool find(glm::vec3 p, glm::vec3 n, float height, float radius, std::vector<Screen>& out) const;
+
+    /// A place in the middle of what is not buried of a surface facing `n` through `p`, within a box; of the larger
+    /// part where a wall parts it. Nothing: all of it is buried.
+    [[nodiscard]] std::optional<glm::vec3> seenPlace(glm::vec3 p, glm::vec3 n, float height,
+                                                     const BoxGroups::Box& within) const;
+
+private:
+    static constexpr std::size_t kDirections = 16;
+    struct Sight;
+    [[nodiscard]] bool isReached(const Hit& hit) const
+    {
+        return isReached_[2 * std::size_t(hit.triangle) + (hit.isFront ? 0 : 1)];
+    }
+    [[nodiscard]] glm::vec3 lifted(glm::vec3 p, glm::vec3 n, float height) const;
+    /// False: buried.
+    [[nodiscard]] bool lookAround(glm::vec3 from, const Frame& frame, std::array<Sight, kDirections>& sights) const;
+
+    const RayScene& rays_;
+    const SurfaceArea& area_;
+    std::vector<bool> isReached_; // by side
+};
+
+} // namespace lightloom

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/photonmap/screens.h"
+#include <algorithm>
+
+namespace lightloom {
+
+HiddenPart::HiddenPart(const Screen& screen, const std::array<glm::dvec3, 3>& corners) : count_(3)
+{
+    std::ranges::copy(corners, points_.begin());
+    keepAbove(glm::dvec3(screen.away), static_cast<double>(screen.behind));
+    for (const glm::vec3 side : screen.sides) keepAbove(glm::dvec3(side), 0.0);
+}
+
+void HiddenPart::keepAbove(glm::dvec3 normal, double least)
+{
+    const std::array<glm::dvec3, kMost> from = points_;
+    const std::size_t count = count_;
+    count_ = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        const glm::dvec3 a = from[i], b = from[(i + 1) % count];
+        const double atA = glm::dot(normal, a) - least, atB = glm::dot(normal, b) - least;
+        if (atA >= 0.0) points_[count_++] = a;
+        if ((atA >= 0.0) != (atB >= 0.0)) points_[count_++] = a + (b - a) * (atA / (atA - atB));
+    }
+    if (count_ < 3) count_ = 0;
+}
+
+} // namespace lightloom

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+namespace lightloom {
+
+/// A wall as a gather kernel's centre sees it: what lies within a wedge of directions and behind the wall's plane is on
+/// the far side, and its light says nothing of this one. A point is hidden that is on the inner side of both `sides`
+/// and further than `behind` along `away`. All from the kernel's centre, scene space.
+struct Screen {
+    std::array<glm::vec3, 2> sides; ///< normals of planes through the centre, pointing into the wedge
+    glm::vec3 away;                 ///< unit: normal of the wall, away from the centre
+    float behind = 0.0f;            ///< metres along `away` from the centre
+
+    [[nodiscard]] bool hides(glm::vec3 fromCentre) const
+    {
+        return glm::dot(away, fromCentre) > behind && glm::dot(sides[0], fromCentre) >= 0.0f &&
+               glm::dot(sides[1], fromCentre) >= 0.0f;
+    }
+};
+using Screens = std::span<const Screen>;
+
+[[nodiscard]] inline bool isHidden(Screens screens, glm::vec3 fromCentre)
+{
+    for (const Screen& screen : screens) {
+        if (screen.hides(fromCentre)) return true;
+    }
+    return false;
+}
+
+/// The part of a triangle (corners from the kernel's centre) that a screen hides: a convex polygon, in the same order.
+class HiddenPart {
+public:
+    HiddenPart(const Screen& screen, const std::array<glm::dvec3, 3>& corners);
+    [[nodiscard]] std::span<const glm::dvec3> corners() const { return std::span(points_).first(count_); }
+
+private:
+    void keepAbove(glm::dvec3 normal, double least);
+    static constexpr std::size_t kMost = 6; // a triangle gains at most one corner a cut
+    std::array<glm::dvec3, kMost> points_;
+    std::size_t count_ = 0;
+};
+
+} // namespace lightloom
