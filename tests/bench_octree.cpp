@@ -3,6 +3,7 @@
 //   gather and clustering of depth 5 at K = 100, k = 4 against tracing the photons, one thread;
 //   cost over leaves, depths 4 to 7;  one thread's time against the longest of two, tracing and fits.
 //   bench_octree [SCENE[:TRIANGLES] ...]
+#include "core/octree/entry_screens.h"
 #include "core/octree/layer_fit.h"
 #include "core/octree/octree_build.h"
 #include "tests/bench_clock.h"
@@ -110,22 +111,24 @@ double medianOf5(Body body)
     return median(seconds);
 }
 
-std::shared_ptr<const OctreeGeometry> octree(const Bench& b, int depth)
+std::shared_ptr<const OctreeGeometry> octree(const Bench& b, int depth, bool isScreened)
 {
     Workers workers;
-    return buildOctree(b.scene->bounds, *b.reach, depth, 0, workers, {});
+    auto geometry = buildOctree(b.scene->bounds, *b.reach, depth, 0, workers, {});
+    if (isScreened) static_cast<void>(findScreens(*geometry, ScreenFinder(*b.rays, *b.reach, *b.area), workers, {}));
+    return geometry;
 }
 
 void againstTracing(const std::string& name, const Bench& b, const LightSampler& lights)
 {
-    const auto geometry = octree(b, 5);
+    const auto geometry = octree(b, 5, true), plain = octree(b, 5, false);
     std::vector<double> printed, shipped;
     double traced = 0.0, fitted = 0.0;
     for (int round = 0; round < 5; ++round) {
         traced = traceTime(b, lights, 1);
         fitted = fitTime(b, *geometry, paramsOf(100, false), 1);
         shipped.push_back(fitted / traced);
-        printed.push_back(fitTime(b, *geometry, paramsOf(100, true), 1) / traced);
+        printed.push_back(fitTime(b, *plain, paramsOf(100, true), 1) / traced);
     }
     fmt::print("| {} | {} | {:.1f} | {:.1f} | {:.2f} | {:.2f} |\n", name, geometry->entries.size(), 1e3 * traced,
                1e3 * fitted, median(shipped), median(printed));
@@ -136,7 +139,7 @@ void overDepths(const std::string& name, const Bench& b)
     std::vector<double> x, y;
     std::string row;
     for (int depth = 4; depth <= 7; ++depth) {
-        const auto geometry = octree(b, depth);
+        const auto geometry = octree(b, depth, true);
         const double seconds = medianOf5([&] { return fitTime(b, *geometry, paramsOf(300, false), 1); });
         row += fmt::format(" {} in {:.0f} ms |", geometry->entries.size(), 1e3 * seconds);
         x.push_back(std::log(static_cast<double>(geometry->entries.size())));
@@ -150,7 +153,7 @@ void overDepths(const std::string& name, const Bench& b)
 
 void onTwoThreads(const std::string& name, const Bench& b, const LightSampler& lights)
 {
-    const auto geometry = octree(b, 6);
+    const auto geometry = octree(b, 6, true);
     const BakeParams params = paramsOf(300, false);
     std::vector<double> tracing, fits;
     for (int round = 0; round < 5; ++round) {

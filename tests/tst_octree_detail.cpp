@@ -240,7 +240,7 @@ private Q_SLOTS:
         level.geometry = geometry, level.layer = layer;
         level.gain.resize(6);
         level.few = {{1.0f, 20.0f}, {0.0f, 0.0f}, {19.0f, 20.0f}, {19.0f, 20.0f}, {0.0f, 20.0f}, {0.0f, 20.0f}};
-        darken(level);
+        darken(level, {});
         // 1 - D/M (1 - M / (2 D^2)), at a tenth of the neighbour each
         const auto left = [](double found, double expected) {
             const double less = expected - found;

@@ -256,7 +256,7 @@ void Viewport::refineStep()
     isRefined_ = came == Renderer::Refined::all;
     if (came == Renderer::Refined::part) return refine_.start();
     present(); // which goes on, if there is more
-    if (isRefined_) Q_EMIT refined();
+    if (isRefined_ && renderer_->mayRefine(frame)) Q_EMIT refined();
 }
 
 void Viewport::moved()

@@ -66,6 +66,7 @@ Result<BakeInfo> checkInfo(const VdbFile& file, const Scene& scene)
         info.params.gatherAdapt = Switch::off;
     }
     if (format < 3) info.params.octreeDetail = 0; // of before leaves could be split
+    info.params.gatherScreens = Switch::off;      // of before walls were looked for: newer ones say so
     for (const std::string& line : lines(file.text("lightloom.parameters"))) {
         Result<BakeParams> params = withAssignment(info.params, line);
         if (!params) return params.error();

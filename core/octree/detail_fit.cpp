@@ -56,8 +56,9 @@ public:
             if (isScreened && !findScreens(*leaves, job_.screens, control_.workers(), control_.stop())) return {};
             level.geometry = leaves;
             if (!fit(level, unjudged)) return {};
-            darken(level);
-            judge(level);
+            darken(level, control_.stop());
+            judge(level, control_.stop());
+            if (control_.isStopped()) return {};
             unjudged.push_back({level.geometry, level.layer});
             levels.push_back(std::move(level));
         }

@@ -105,11 +105,12 @@ std::size_t DetailCandidates::parentOf(std::size_t leaf) const
     return static_cast<std::size_t>(at - parents.begin());
 }
 
-void darken(DetailCandidates& level)
+void darken(DetailCandidates& level, const std::stop_token& stop)
 {
     const std::vector<Sum> sums = sumsByParent(level);
     std::vector<float> left;
     for (std::size_t i = 0; i < level.parents.size(); ++i) {
+        if (i % 4096 == 0 && stop.stop_requested()) return;
         const Sum sum = sumAround(level, sums, i, 1, [](int squared) { return std::pow(kBeside, squared); });
         left.push_back(static_cast<float>(leftOf(sum)));
     }
@@ -126,11 +127,12 @@ void darken(DetailCandidates& level)
     }
 }
 
-void judge(DetailCandidates& level)
+void judge(DetailCandidates& level, const std::stop_token& stop)
 {
     const std::vector<Sum> sums = sumsByParent(level);
     level.splits.assign(level.parents.size(), false);
     for (std::size_t i = 0; i < level.parents.size(); ++i) {
+        if (i % 4096 == 0 && stop.stop_requested()) return;
         const Sum around = sumAround(level, sums, i, kAround, [](int) { return 1.0; });
         level.splits[i] = around.gain > kWorthIt * around.count;
     }

@@ -2,6 +2,7 @@
 #pragma once
 #include "core/octree/light_octree.h"
 #include <cstdint>
+#include <stop_token>
 #include <vector>
 
 namespace lightloom {
@@ -25,12 +26,13 @@ struct DetailCandidates {
 };
 
 /// Takes light from the entries whose kernels were widened as far as fewer photons than expected are found, there and
-/// just around: a kernel of a given number of photons reaches out of a dark gap into the light before it.
-void darken(DetailCandidates& level);
+/// just around: a kernel of a given number of photons reaches out of a dark gap into the light before it. After a stop
+/// the level is not to be used.
+void darken(DetailCandidates& level, const std::stop_token& stop);
 
 /// Splits a parent where the mean gain over it and the candidates up to two cells around is worth it: an entry sees a
 /// small kernel, and what is blurred is blurred for some cells around.
-void judge(DetailCandidates& level);
+void judge(DetailCandidates& level, const std::stop_token& stop);
 
 /// What stays of the levels, a parent of a split cell being split as well. Ends with the first level that has no leaf.
 [[nodiscard]] LampDetail splitLeaves(std::vector<DetailCandidates>& levels);

@@ -18,7 +18,8 @@ struct Found {
 class EntryScreens {
 public:
     EntryScreens(OctreeGeometry& geometry, const ScreenFinder& finder)
-        : geometry_(geometry), finder_(finder), cell_(geometry.cellSize()), found_(geometry.entries.size())
+        : geometry_(geometry), finder_(finder), cell_(geometry.cellSize()), reach_(kScreenReach * geometry.rootSize),
+          found_(geometry.entries.size())
     {
     }
 
@@ -67,12 +68,12 @@ public:
 private:
     bool find(Found& found, glm::vec3 normal) const
     {
-        return finder_.find(found.centroid, normal, kHeight * cell_, kScreenReach * cell_, found.screens);
+        return finder_.find(found.centroid, normal, kHeight * cell_, reach_, found.screens);
     }
 
     OctreeGeometry& geometry_;
     const ScreenFinder& finder_;
-    float cell_;
+    float cell_, reach_;
     std::vector<Found> found_;
 };
 
@@ -80,16 +81,18 @@ private:
 
 bool findScreens(OctreeGeometry& geometry, const ScreenFinder& finder, Workers& workers, const std::stop_token& stop)
 {
-    constexpr std::size_t kBlock = 64;
+    constexpr std::size_t kBlock = 8;
     const std::size_t count = geometry.cells.size();
     EntryScreens screens(geometry, finder);
     const bool all = workers.run((count + kBlock - 1) / kBlock, stop, [&](std::size_t block) {
         for (std::size_t leaf = block * kBlock; leaf < std::min(count, (block + 1) * kBlock); ++leaf) {
+            if (stop.stop_requested()) return;
             screens.lookFrom(leaf);
         }
     });
-    if (all) screens.finish();
-    return all;
+    if (!all || stop.stop_requested()) return false;
+    screens.finish();
+    return true;
 }
 
 } // namespace lightloom

@@ -5,11 +5,11 @@
 
 namespace lightloom {
 
-/// Finds the screens of all entries, for kernels of up to kScreenReach cells. Entries whose centroid is buried in a
-/// solid (triangles count as reached to a little beyond the foot of a wall) move to what is seen of their surface;
-/// those of which nothing is seen go. False: stopped, do not use.
+/// Finds the screens of all entries, for kernels of up to kScreenReach. Entries whose centroid is buried in a solid
+/// (triangles count as reached to a little beyond the foot of a wall) move to what is seen of their surface; those of
+/// which nothing is seen go. False: stopped, do not use.
 [[nodiscard]] bool findScreens(OctreeGeometry& geometry, const ScreenFinder& finder, Workers& workers,
                                const std::stop_token& stop);
-inline constexpr float kScreenReach = 5.0f;
+inline constexpr float kScreenReach = 0.2f; ///< of the lattice; kernels reach further with a few thousand photons only
 
 } // namespace lightloom

@@ -23,6 +23,42 @@ FacetBlock::FacetBlock(std::span<const ReachedFacet> facets)
     }
 }
 
+FacetsSeen::FacetsSeen(const FacetBlock& block, Screens screens, glm::vec3 centre, glm::vec3 normal, float leastCosine,
+                       float small)
+{
+    find(*this, block, screens, centre, normal, leastCosine, small);
+}
+
+LIGHTLOOM_WIDE_VECTORS void FacetsSeen::find(FacetsSeen& seen, const FacetBlock& block, Screens screens,
+                                             glm::vec3 centre, glm::vec3 normal, float leastCosine, float small)
+{
+    const auto of = [](const float* values) -> const auto& { return lanesOf<Floats8>(values, 0); };
+    const Floats8 x = of(block.x) - centre.x, y = of(block.y) - centre.y, z = of(block.z) - centre.z;
+    const Floats8 cosine = of(block.nx) * normal.x + of(block.ny) * normal.y + of(block.nz) * normal.z;
+    const Ints8 counts = (cosine > leastCosine) & (of(block.area) > 0.0f);
+    const Floats8 reach = of(block.reach);
+    Floats8 share = Floats8{} + 1.0f;
+    Ints8 whole{}, part{};
+    for (const Screen& screen : screens) {
+        const glm::vec3 away = screen.away, low = screen.sides[0], high = screen.sides[1];
+        // how far the centroid lies within: to the nearest of the three planes
+        const Floats8 far = x * away.x + y * away.y + z * away.z - screen.behind;
+        const Floats8 left = x * low.x + y * low.y + z * low.z, right = x * high.x + y * high.y + z * high.z;
+        const Floats8 beside = left < right ? left : right, within = far < beside ? far : beside;
+        whole |= within >= reach;
+        part |= within > -reach;
+        const Floats8 some = 0.5f - 0.5f * within / reach, less = some < 1.0f ? some : Floats8{} + 1.0f;
+        share *= less > 0.0f ? less : Floats8{};
+    }
+    const Ints8 cut = counts & part & ~whole & (reach >= small), touched = counts & part;
+    share = cut != 0 ? Floats8{} : share;
+    lanesOf<Floats8>(seen.share, 0) = touched != 0 ? share : Floats8{} + 1.0f;
+    for (std::size_t i = 0; i < kLanes; ++i) {
+        seen.cut |= static_cast<unsigned>(cut[i] & 1) << i;
+        seen.touched |= static_cast<unsigned>(touched[i] & 1) << i;
+    }
+}
+
 BlockSums::BlockSums(glm::vec3 centre, glm::vec3 normal, glm::vec3 tangent, glm::vec3 bitangent, float stretch,
                      float leastCosine, float small, std::span<const float> radii)
     : place_{{centre.x, centre.y, centre.z},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "core/photonmap/disc_moments.h"
+#include "core/photonmap/screens.h"
 #include "core/trace/reached_facet.h"
 #include <array>
 #include <span>
@@ -21,6 +22,26 @@ struct alignas(32) FacetBlock {
 
     FacetBlock() = default;
     explicit FacetBlock(std::span<const ReachedFacet> facets); ///< at most kCount
+};
+
+/// What a kernel's screens leave of a block's facets that face within `leastCosine` of `normal`.
+struct FacetsSeen {
+    alignas(32) float share[FacetBlock::kCount]; ///< exact where 0 or 1; of small facets by how far their centroid lies
+                                                 ///< within the screen, never 0 where a corner may be seen
+    unsigned cut = 0;                            ///< bits of larger ones that are perhaps hidden in part; share 0
+    unsigned touched = 0;                        ///< bits of those that are hidden, perhaps or in part
+    FacetsSeen(const FacetBlock& block, Screens screens, glm::vec3 centre, glm::vec3 normal, float leastCosine,
+               float small);
+    /// The block with the areas that are left.
+    [[nodiscard]] FacetBlock leftOf(FacetBlock block) const
+    {
+        for (std::size_t i = 0; i < FacetBlock::kCount; ++i) block.area[i] *= share[i];
+        return block;
+    }
+
+private:
+    static void find(FacetsSeen& seen, const FacetBlock& block, Screens screens, glm::vec3 centre, glm::vec3 normal,
+                     float leastCosine, float small);
 };
 
 /// Sums of the moments of many blocks within several radii around one centre.

@@ -3,6 +3,7 @@
 #include "core/base/ordering.h"
 #include "core/base/wide_vectors.h"
 #include "core/photonmap/least_keys.h"
+#include "core/photonmap/screen_lanes.h"
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -168,6 +169,7 @@ template<class Search>
         const Floats8 cosine = lanesOf<Floats8>(nx, half) * s.normal[0] + lanesOf<Floats8>(ny, half) * s.normal[1] +
                                lanesOf<Floats8>(nz, half) * s.normal[2];
         isNear[half] = (squared <= s.limit) & (cosine > s.leastCosine);
+        if (!s.screens.empty()) dropHidden(s.screens, dx, dy, dz, isNear[half]);
         std::memcpy(&bits[half], &squared, sizeof squared);
     }
     std::uint64_t* const first = s.keys + s.found;
@@ -187,21 +189,9 @@ LIGHTLOOM_WIDE_VECTORS std::size_t PhotonMap::addBlock(const Search& search, con
     return addNear(search, block.x, block.y, block.z, block.nx, block.ny, block.nz, number);
 }
 
-/// Of the last `added` candidates, those that no screen hides. Returns how many.
-std::size_t PhotonMap::keepSeen(const Search& search, std::size_t added) const
-{
-    const glm::vec3 centre(search.centre[0], search.centre[1], search.centre[2]);
-    std::uint64_t* const first = search.keys + search.found;
-    const auto isGone = [&](std::uint64_t key) {
-        return isHidden(search.screens, photon(static_cast<std::uint32_t>(key)).position - centre);
-    };
-    return static_cast<std::size_t>(std::remove_if(first, first + added, isGone) - first);
-}
-
 void PhotonMap::scan(Search& search, std::uint32_t number) const
 {
-    const std::size_t added = addBlock(search, blocks_[number], number * kBlock);
-    search.found += search.screens.empty() ? added : keepSeen(search, added);
+    search.found += addBlock(search, blocks_[number], number * kBlock);
     if (search.found + kBlock > search.room) search.thin();
 }
 

@@ -68,7 +68,6 @@ private:
                       const std::stop_token& stop);
     BoxGroups::Box fill(std::uint32_t block);
     void collect(Search& search, BoxGroups::Near& near) const;
-    [[nodiscard]] std::size_t keepSeen(const Search& search, std::size_t added) const;
     void scan(Search& search, std::uint32_t block) const;
     static std::size_t addBlock(const Search& search, const Block& block, std::uint32_t number);
 

@@ -21,6 +21,17 @@ struct Screen {
         return glm::dot(away, fromCentre) > behind && glm::dot(sides[0], fromCentre) >= 0.0f &&
                glm::dot(sides[1], fromCentre) >= 0.0f;
     }
+
+    /// Whether part of a box (corners from the centre) may be hidden.
+    [[nodiscard]] bool mayHide(glm::vec3 low, glm::vec3 high) const
+    {
+        const glm::vec3 middle = 0.5f * (low + high), half = 0.5f * (high - low);
+        const auto most = [&](glm::vec3 n) { return glm::dot(n, middle) + glm::dot(glm::abs(n), half); };
+        return most(away) > behind && most(sides[0]) >= 0.0f && most(sides[1]) >= 0.0f;
+    }
+    enum class Part { none, some, all };
+    /// How much of a triangle is hidden; `some` where it is not sure.
+    [[nodiscard]] Part partOf(const std::array<glm::vec3, 3>& corners) const;
 };
 using Screens = std::span<const Screen>;
 
@@ -40,7 +51,7 @@ public:
 
 private:
     void keepAbove(glm::dvec3 normal, double least);
-    static constexpr std::size_t kMost = 6; // a triangle gains at most one corner a cut
+    static constexpr std::size_t kMost = 12; // a triangle gains a corner a cut; more by rounding
     std::array<glm::dvec3, kMost> points_;
     std::size_t count_ = 0;
 };

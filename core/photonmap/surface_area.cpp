@@ -11,6 +11,7 @@
 namespace lightloom {
 namespace {
 
+constexpr float kTiny = 0.25f; ///< facets that reach this far are no longer cut by screens
 constexpr float kSmall = 0.5f; ///< facets that reach this far, against the smallest radius, are no longer cut
 
 /// Adds what facets have under a kernel. A facet that lies whole within a radius lies so within all larger ones: it is
@@ -109,12 +110,16 @@ private:
     double stretch_;
 };
 
-FacetBlock without(FacetBlock block, unsigned bits)
+/// Adds what no screen hides of a facet.
+void addSeen(const ReachedFacet& facet, const KernelPlace& place, KernelSum& sum)
 {
-    for (std::size_t i = 0; i < FacetBlock::kCount; ++i) {
-        if (bits >> i & 1) block.area[i] = 0.0f;
+    const std::array corners{facet.a - place.centre, facet.b - place.centre, facet.c - place.centre};
+    const auto hidesAll = [&](const Screen& screen) { return screen.partOf(corners) == Screen::Part::all; };
+    if (std::ranges::any_of(place.screens, hidesAll)) return;
+    sum.add(facet);
+    for (const Screen& screen : place.screens) {
+        if (screen.partOf(corners) == Screen::Part::some) sum.hide(facet, screen);
     }
-    return block;
 }
 
 } // namespace
@@ -160,31 +165,12 @@ void SurfaceArea::order(std::uint32_t first, std::uint32_t last, const std::stop
     order(middle, last, stop);
 }
 
-SurfaceArea::Behind SurfaceArea::facetsBehind(const KernelPlace& place, std::size_t number, float small) const
+bool SurfaceArea::mayHide(const KernelPlace& place, std::size_t block) const
 {
-    Behind behind;
-    const BoxGroups::Box& box = bounds_[number];
-    const glm::vec3 middle = 0.5f * (box.low + box.high) - place.centre, half = 0.5f * (box.high - box.low);
-    const auto mayHide = [&](const Screen& screen) {
-        return glm::dot(screen.away, middle) + glm::dot(glm::abs(screen.away), half) > screen.behind;
-    };
-    if (std::ranges::none_of(place.screens, mayHide)) return behind;
-
-    const FacetBlock& block = blocks_[number];
-    for (std::size_t i = 0; i < FacetBlock::kCount; ++i) {
-        const glm::vec3 normal(block.nx[i], block.ny[i], block.nz[i]);
-        if (!(block.area[i] > 0.0f && glm::dot(normal, place.normal) > place.leastCosine)) continue;
-        const glm::vec3 centroid = glm::vec3(block.x[i], block.y[i], block.z[i]) - place.centre;
-        const auto reachesBehind = [&](const Screen& screen) {
-            return glm::dot(screen.away, centroid) + block.reach[i] > screen.behind;
-        };
-        if (block.reach[i] < small) {
-            if (isHidden(place.screens, centroid)) behind.hidden |= 1u << i;
-        } else if (std::ranges::any_of(place.screens, reachesBehind)) {
-            behind.cut |= 1u << i;
-        }
-    }
-    return behind;
+    const BoxGroups::Box& box = bounds_[block];
+    return std::ranges::any_of(place.screens, [&](const Screen& screen) {
+        return screen.mayHide(box.low - place.centre, box.high - place.centre);
+    });
 }
 
 void SurfaceArea::under(const KernelPlace& place, std::span<const float> radii, std::span<AreaMoments> out) const
@@ -202,16 +188,19 @@ void SurfaceArea::under(const KernelPlace& place, std::span<const float> radii, 
         const auto number = static_cast<std::uint32_t>(key);
         const std::uint32_t first = number * FacetBlock::kCount;
         std::uint32_t large[FacetBlock::kCount];
-        const Behind behind = facetsBehind(place, number, least);
         const FacetBlock& block = blocks_[number];
-        const std::size_t count = behind.isAny() ? small.add(without(block, behind.hidden | behind.cut), first, large)
-                                                 : small.add(block, first, large);
-        for (std::size_t i = 0; i < count; ++i) sum.add(facets_[large[i]]);
-        for (unsigned bits = behind.cut; bits != 0; bits &= bits - 1) {
-            const ReachedFacet& facet = facets_[first + static_cast<std::uint32_t>(std::countr_zero(bits))];
-            sum.add(facet);
-            for (const Screen& screen : place.screens) sum.hide(facet, screen);
+        const auto addLarge = [&](std::size_t count) {
+            for (std::size_t i = 0; i < count; ++i) sum.add(facets_[large[i]]);
+        };
+        if (!mayHide(place, number)) {
+            addLarge(small.add(block, first, large));
+            continue;
         }
+        const FacetsSeen seen(block, place.screens, place.centre, place.normal, place.leastCosine,
+                              kTiny * radii.front());
+        addLarge(small.add(seen.leftOf(block), first, large));
+        for (unsigned bits = seen.cut; bits != 0; bits &= bits - 1)
+            addSeen(facets_[first + static_cast<std::uint32_t>(std::countr_zero(bits))], place, sum);
     }
     sum.finish();
     for (std::size_t j = 0; j < radii.size(); ++j) out[j] += small.sum(j);
@@ -220,6 +209,8 @@ void SurfaceArea::under(const KernelPlace& place, std::span<const float> radii, 
 bool SurfaceArea::isAnyHidden(const KernelPlace& place, float radius) const
 {
     const auto hides = [&](const Screen& screen, const ReachedFacet& facet) {
+        const std::array at{facet.a - place.centre, facet.b - place.centre, facet.c - place.centre};
+        if (screen.partOf(at) == Screen::Part::none) return false;
         const glm::dvec3 centre(place.centre);
         const HiddenPart hidden(
             screen, {glm::dvec3(facet.a) - centre, glm::dvec3(facet.b) - centre, glm::dvec3(facet.c) - centre});
@@ -228,19 +219,22 @@ bool SurfaceArea::isAnyHidden(const KernelPlace& place, float radius) const
         for (const glm::dvec3 corner : hidden.corners()) low = glm::min(low, corner), high = glm::max(high, corner);
         return glm::length(glm::max(glm::max(low, -high), glm::dvec3(0.0))) < static_cast<double>(radius);
     };
-    thread_local BoxGroups::Near near;
-    for (const std::uint64_t key : boxes_.within(place.centre, radius * radius, near)) {
-        const auto number = static_cast<std::uint32_t>(key);
-        const Behind behind = facetsBehind(place, number, kSmall * radius);
-        if (behind.hidden != 0) return true;
-        for (unsigned bits = behind.cut; bits != 0; bits &= bits - 1) {
+    const auto may = [&](glm::vec3 low, glm::vec3 high) {
+        low -= place.centre, high -= place.centre;
+        const glm::vec3 gap = glm::max(glm::max(low, -high), glm::vec3(0.0f));
+        return glm::dot(gap, gap) <= radius * radius &&
+               std::ranges::any_of(place.screens, [&](const Screen& screen) { return screen.mayHide(low, high); });
+    };
+    return boxes_.any(may, [&](std::size_t number) {
+        const FacetsSeen seen(blocks_[number], place.screens, place.centre, place.normal, place.leastCosine, 0.0f);
+        for (unsigned bits = seen.touched; bits != 0; bits &= bits - 1) {
             const ReachedFacet& facet =
-                facets_[number * FacetBlock::kCount + static_cast<std::uint32_t>(std::countr_zero(bits))];
+                facets_[number * FacetBlock::kCount + static_cast<std::size_t>(std::countr_zero(bits))];
             if (std::ranges::any_of(place.screens, [&](const Screen& screen) { return hides(screen, facet); }))
                 return true;
         }
-    }
-    return false;
+        return false;
+    });
 }
 
 double SurfaceArea::under(const KernelPlace& place, float radius) const

@@ -42,12 +42,7 @@ public:
 private:
     explicit SurfaceArea(const LightReach& reach);
     void order(std::uint32_t first, std::uint32_t last, const std::stop_token& stop);
-    /// Bits of a block's facets. Facets with a reach below `small` are hidden by their centroid.
-    struct Behind {
-        unsigned hidden = 0, cut = 0; ///< cut: perhaps hidden in part
-        [[nodiscard]] bool isAny() const { return (hidden | cut) != 0; }
-    };
-    [[nodiscard]] Behind facetsBehind(const KernelPlace& place, std::size_t block, float small) const;
+    [[nodiscard]] bool mayHide(const KernelPlace& place, std::size_t block) const;
 
     std::vector<ReachedFacet> facets_; // ordered so that eight by eight lie together
     std::vector<FacetBlock> blocks_;

@@ -264,7 +264,10 @@ bool ShadowMaps::drawOne(const SceneBuffers& scene, const GlProgram& shadow, int
 {
     PreviewLight one = lights_[static_cast<std::size_t>(light)];
     one.colour *= gainOf(mix_, one.group);
-    if (one.colour == glm::vec3(0.0f)) return false;
+    if (one.colour == glm::vec3(0.0f)) {
+        fill(blockOfOne_, {}, {}); // what is drawn without it reads it all the same
+        return false;
+    }
     if (one.points && !one.points->empty()) {
         const PreviewLight::Point& at = (*one.points)[static_cast<std::size_t>(round) % one.points->size()];
         one.position = at.position;
