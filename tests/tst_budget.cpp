@@ -59,9 +59,7 @@ private Q_SLOTS:
             }
             const CostModel& c = f.costs;
             QVERIFY(c.fixedSeconds > 0.0 && c.shootPerPhoton > 0.0 && c.treePerNLogN > 0.0);
-            // a line through measured times: on a busy machine it may come out level
-            QVERIFY(c.gatherBase >= 0.0 && c.gatherPerPhoton >= 0.0 && c.gatherBase + c.gatherPerPhoton > 0.0);
-            QVERIFY(c.depths.size() == 2 && c.depths[1].entries > c.depths[0].entries);
+            QVERIFY(c.gatherPerPhoton > 0.0 && c.depths.size() == 2 && c.depths[1].entries > c.depths[0].entries);
             QVERIFY(f.cpuSeconds > 0.0);
         }
     }

@@ -78,6 +78,9 @@ private Q_SLOTS:
         // a line that would begin below nothing goes through nothing
         costs.fitGather(std::vector<GatherSample>{{10, 1000, 1e-6, 0}, {20, 1000, 4e-6, 0}});
         QVERIFY(costs.gatherBase == 0.0 && costs.gatherPerPhoton > 0.0 && costs.areaPerRatio == 0.0);
+        // nor is a photon to be had for nothing because noise made the larger gather look quicker
+        costs.fitGather(std::vector<GatherSample>{{10, 1000, 4e-6, 0}, {20, 1000, 3e-6, 0}});
+        QVERIFY(costs.gatherBase == 0.0 && costs.gatherPerPhoton > 1e-7 && costs.gatherPerPhoton < 4e-7);
     }
 
     void errorIsRecovered_data()

@@ -6,12 +6,13 @@
 namespace lightloom {
 namespace {
 
-/// a + b x through the points with relative errors alike; neither below 0.
+/// a + b x through the points with relative errors alike; neither below 0. Where the points do not rise: level, or, if
+/// what they measure can only rise, through the origin.
 struct Line {
     double a = 0, b = 0;
 };
 template<class Points, class X, class Y>
-Line lineThrough(const Points& points, X xOf, Y yOf)
+Line lineThrough(const Points& points, X xOf, Y yOf, bool rises = false)
 {
     double n = 0, x1 = 0, x2 = 0, y1 = 0, xy = 0;
     for (const auto& p : points) {
@@ -25,7 +26,7 @@ Line lineThrough(const Points& points, X xOf, Y yOf)
     if (determinant > 1e-9 * n * x2) {
         const Line line{(x2 * y1 - x1 * xy) / determinant, (n * xy - x1 * y1) / determinant};
         if (line.a >= 0.0 && line.b >= 0.0) return line;
-        if (line.a < 0.0) return {0.0, xy / x2};
+        if (line.a < 0.0 || rises) return {0.0, xy / x2};
     }
     return {y1 / n, 0.0};
 }
@@ -44,7 +45,8 @@ double memoryGrowth(double stored, double measured, double perDoubling)
 void CostModel::fitGather(std::span<const GatherSample> samples)
 {
     const Line gather = lineThrough(
-        samples, [](const GatherSample& s) { return s.count; }, [](const GatherSample& s) { return s.gatherSeconds; });
+        samples, [](const GatherSample& s) { return s.count; }, [](const GatherSample& s) { return s.gatherSeconds; },
+        true); // on a busy machine noise may say otherwise, and budgets would take any K for nothing
     const Line area = lineThrough(
         samples, [](const GatherSample& s) { return s.count / s.photons; },
         [](const GatherSample& s) { return s.areaSeconds; });
