@@ -28,6 +28,7 @@ public:
     /// Of the boxes that come within the root of `squared` of `p`: keys (least_keys.h) of their distance and number, by
     /// rising number. Valid until the next call with `near`.
     [[nodiscard]] std::span<std::uint64_t> within(glm::vec3 p, float squared, Near& near) const;
+    [[nodiscard]] Box box(std::size_t number) const { return boxOf(groups_[number / kWidth], number % kWidth); }
     /// Whether `is(number)` holds for one of the boxes for which, and for whose bounds, `may(low, high)` holds.
     template<class May, class Is>
     [[nodiscard]] bool any(const May& may, const Is& is) const
@@ -45,14 +46,18 @@ private:
     struct alignas(32) Group {
         float low[3][kWidth], high[3][kWidth]; // unused places: boxes that are empty
     };
+    static Box boxOf(const Group& group, std::size_t i)
+    {
+        return {{group.low[0][i], group.low[1][i], group.low[2][i]},
+                {group.high[0][i], group.high[1][i], group.high[2][i]}};
+    }
     template<class May, class Is>
     [[nodiscard]] bool any(std::size_t level, std::size_t number, const May& may, const Is& is) const
     {
         const Group& group = groups_[firstOfLevel_[level] + number];
         for (std::size_t i = 0; i < kWidth; ++i) {
-            const glm::vec3 low(group.low[0][i], group.low[1][i], group.low[2][i]);
-            const glm::vec3 high(group.high[0][i], group.high[1][i], group.high[2][i]);
-            if (!(low.x <= high.x) || !may(low, high)) continue;
+            const Box box = boxOf(group, i);
+            if (!(box.low.x <= box.high.x) || !may(box.low, box.high)) continue;
             const std::size_t member = number * kWidth + i;
             if (level == 0 ? is(member) : any(level - 1, member, may, is)) return true;
         }

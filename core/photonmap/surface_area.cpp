@@ -14,6 +14,12 @@ namespace {
 constexpr float kTiny = 0.25f; ///< facets that reach this far are no longer cut by screens
 constexpr float kSmall = 0.5f; ///< facets that reach this far, against the smallest radius, are no longer cut
 
+using Triangle = std::array<glm::dvec3, 3>;
+Triangle fromCentre(const ReachedFacet& f, glm::dvec3 centre)
+{
+    return {glm::dvec3(f.a) - centre, glm::dvec3(f.b) - centre, glm::dvec3(f.c) - centre};
+}
+
 /// Adds what facets have under a kernel. A facet that lies whole within a radius lies so within all larger ones: it is
 /// added once, to the first of them, and the sums run up at the end. Only the few across a border are cut.
 class KernelSum {
@@ -26,12 +32,12 @@ public:
         std::ranges::fill(out_, AreaMoments{});
     }
 
-    void add(const ReachedFacet& f) { add(fromCentre(f), 1.0); }
+    void add(const ReachedFacet& f) { add(fromCentre(f, centre_), 1.0); }
 
     /// Takes off what the screen hides of a facet.
     void hide(const ReachedFacet& f, const Screen& screen)
     {
-        const HiddenPart hidden(screen, fromCentre(f));
+        const HiddenPart hidden(screen, fromCentre(f, centre_));
         const std::span<const glm::dvec3> corners = hidden.corners();
         for (std::size_t i = 2; i < corners.size(); ++i) add({corners[0], corners[i - 1], corners[i]}, -1.0);
     }
@@ -46,12 +52,6 @@ public:
     }
 
 private:
-    using Triangle = std::array<glm::dvec3, 3>; // from the centre
-    [[nodiscard]] Triangle fromCentre(const ReachedFacet& f) const
-    {
-        return {glm::dvec3(f.a) - centre_, glm::dvec3(f.b) - centre_, glm::dvec3(f.c) - centre_};
-    }
-
     /// Counted `times`.
     void add(const Triangle& t, double times)
     {
@@ -133,15 +133,16 @@ std::shared_ptr<const SurfaceArea> SurfaceArea::build(const LightReach& reach, c
     if (count > 0) made->order(0, count, stop);
     if (stop.stop_requested()) return nullptr;
     made->blocks_.reserve((count + FacetBlock::kCount - 1) / FacetBlock::kCount);
+    std::vector<BoxGroups::Box> boxes;
     for (std::uint32_t first = 0; first < count; first += FacetBlock::kCount) {
         const auto facets =
             std::span(made->facets_).subspan(first).first(std::min<std::size_t>(FacetBlock::kCount, count - first));
         made->blocks_.emplace_back(facets);
         BoxGroups::Box box;
         for (const ReachedFacet& f : facets) box.add(f.a), box.add(f.b), box.add(f.c);
-        made->bounds_.push_back(box);
+        boxes.push_back(box);
     }
-    made->boxes_ = BoxGroups(made->bounds_);
+    made->boxes_ = BoxGroups(boxes);
     return made;
 }
 
@@ -167,7 +168,7 @@ void SurfaceArea::order(std::uint32_t first, std::uint32_t last, const std::stop
 
 bool SurfaceArea::mayHide(const KernelPlace& place, std::size_t block) const
 {
-    const BoxGroups::Box& box = bounds_[block];
+    const BoxGroups::Box box = boxes_.box(block);
     return std::ranges::any_of(place.screens, [&](const Screen& screen) {
         return screen.mayHide(box.low - place.centre, box.high - place.centre);
     });
@@ -211,9 +212,7 @@ bool SurfaceArea::isAnyHidden(const KernelPlace& place, float radius) const
     const auto hides = [&](const Screen& screen, const ReachedFacet& facet) {
         const std::array at{facet.a - place.centre, facet.b - place.centre, facet.c - place.centre};
         if (screen.partOf(at) == Screen::Part::none) return false;
-        const glm::dvec3 centre(place.centre);
-        const HiddenPart hidden(
-            screen, {glm::dvec3(facet.a) - centre, glm::dvec3(facet.b) - centre, glm::dvec3(facet.c) - centre});
+        const HiddenPart hidden(screen, fromCentre(facet, place.centre));
         if (hidden.corners().empty()) return false;
         glm::dvec3 low = hidden.corners()[0], high = low;
         for (const glm::dvec3 corner : hidden.corners()) low = glm::min(low, corner), high = glm::max(high, corner);

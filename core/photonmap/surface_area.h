@@ -46,8 +46,7 @@ private:
 
     std::vector<ReachedFacet> facets_; // ordered so that eight by eight lie together
     std::vector<FacetBlock> blocks_;
-    std::vector<BoxGroups::Box> bounds_; // of the blocks
-    BoxGroups boxes_;                    // the same
+    BoxGroups boxes_; // of the blocks
     double total_ = 0.0;
 };
 
