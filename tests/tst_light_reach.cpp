@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Claims: probe points are uniform over what light reaches: none under furniture, some behind it where a gap lets light
-// in; reach and points are the same on any number of threads; joined to fewer facets it is the same surface.
+// in; in the open, all that a lamp lights is reached, and its backs are not; reach and points are the same on any
+// number of threads; joined to fewer facets it is the same surface.
 #include "bake_helpers.h"
+#include "core/photonmap/surface_area.h"
 #include "core/scene/scene_builder.h"
 #include "core/trace/light_reach.h"
 #include "core/trace/side_elements.h"
 #include <QTest>
+#include <array>
 #include <map>
+#include <numbers>
 
 using namespace lightloom;
 using namespace lightloom::test;
@@ -45,6 +49,36 @@ struct Box {
 // down to -1: the floor under a body is in it
 const Box kBench{{1.0, -1.0, 1.0}, {2.0, 0.4, 2.0}}, kBoard{{1.0, -1.0, 1.7}, {2.0, 0.8, 2.1}},
     kCupboard{{2.5, -1.0, 3.5}, {3.5, 1.0, 4.0 - double(kGap)}};
+
+/// `columns` x `rows` tiles of `size` metres from the origin, which face up.
+Mesh tiles(int columns, int rows, float size)
+{
+    Mesh floor;
+    for (int i = 0; i < columns; ++i) {
+        for (int k = 0; k < rows; ++k) {
+            const glm::vec3 corner(static_cast<float>(i) * size, 0.0f, static_cast<float>(k + 1) * size);
+            append(floor, quadMesh(corner, {size, 0.0f, 0.0f}, {0.0f, 0.0f, -size}));
+        }
+    }
+    return floor;
+}
+
+/// Area of what is reached and faces up, and of the rest.
+struct Lit {
+    double up = 0.0, other = 0.0;
+};
+Lit litArea(SceneBuilder& builder)
+{
+    const auto rays = *RayScene::build(share(builder.finish()));
+    Workers workers(2);
+    Lit lit;
+    const auto reach = LightReach::find(*rays, LightSampler(rays), workers, {});
+    for (const ReachedFacet& f : reach->facets()) {
+        const double area = 0.5 * glm::length(glm::cross(glm::dvec3(f.b) - glm::dvec3(f.a), glm::dvec3(f.c - f.a)));
+        (f.normal.y > 0.99f ? lit.up : lit.other) += area;
+    }
+    return lit;
+}
 
 struct Sampled {
     std::shared_ptr<const LightReach> reach;
@@ -90,6 +124,77 @@ private Q_SLOTS:
         };
         expect(ceiling, 16.0, "ceiling");
         expect(behind, 2.0 + double(kGap), "behind the cupboard"); // its back, the wall, the floor between
+    }
+
+    void allOfAnOpenFloorIsReached_data()
+    {
+        QTest::addColumn<double>("tile");
+        QTest::addColumn<QString>("lamp");
+        for (const double tile : {0.05, 0.1, 0.3, 3.0}) QTest::addRow("point, %g m", tile) << tile << "point";
+        for (const char* lamp : {"spots", "sun", "panel"}) QTest::addRow("%s", lamp) << 0.1 << lamp;
+    }
+    void allOfAnOpenFloorIsReached() // no room around it: its parts see each other nowhere, only the lamp
+    {
+        QFETCH(double, tile);
+        QFETCH(QString, lamp);
+        SceneBuilder builder("open floor");
+        const int grey = builder.addMaterial("grey", glm::vec3(0.6f));
+        const int across = static_cast<int>(std::lround(3.0 / tile));
+        builder.add("Floor", tiles(across, across, static_cast<float>(tile)), grey);
+        if (lamp == "point") builder.addPoint("Lamp", {1.0f, 1.0f, 1.0f}, glm::vec3(10.0f));
+        if (lamp == "sun") builder.addDirectional("Sun", {1.0f, -2.0f, 0.5f}, glm::vec3(100.0f));
+        if (lamp == "panel") {
+            const int glow = builder.addEmitter("glow", glm::vec3(50.0f));
+            builder.add("Panel", quadMesh({1.0f, 2.0f, 1.0f}, {1.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 1.0f}), glow);
+        }
+        for (int i = 0; i < 36 && lamp == "spots"; ++i) { // one group; each lights its own piece
+            const glm::vec3 at(0.25f + 0.5f * static_cast<float>(i % 6), 1.0f,
+                               0.25f + 0.5f * static_cast<float>(i / 6));
+            builder.addSpot("Spot " + std::to_string(i), at, at - glm::vec3(0.0f, 1.0f, 0.0f), glm::vec3(10.0f), 0.4f,
+                            0.42f, "Spots");
+        }
+        const Lit lit = litArea(builder);
+        QVERIFY2(std::abs(lit.up - 9.0) <= 0.009, qPrintable(QString("%1 of 9 m2").arg(lit.up)));
+        const double panel = lamp == "panel" ? 1.0 : 0.0;
+        QVERIFY2(lit.other <= panel + 1e-5, qPrintable(QString("%1 m2 of backs").arg(lit.other)));
+    }
+
+    void anOpenFloorCountsUnderKernels() // or densities there come out too high
+    {
+        SceneBuilder builder("open floor");
+        builder.add("Floor", tiles(30, 30, 0.1f), builder.addMaterial("grey", glm::vec3(0.6f)));
+        builder.addPoint("Lamp", {1.0f, 1.0f, 1.0f}, glm::vec3(10.0f));
+        const auto rays = *RayScene::build(share(builder.finish()));
+        Workers workers(2);
+        const auto reach = LightReach::find(*rays, LightSampler(rays), workers, {});
+        const auto area = SurfaceArea::build(*reach);
+        const std::array radii{0.02f, 0.1f, 0.3f};
+        for (const SurfacePoint& at : samplePoints(*rays, LightSampler(rays), *reach, 500, 1)) {
+            const glm::dvec3 p = rays->scene().toFile(at.position);
+            if (!(std::max(std::abs(p.x - 1.5), std::abs(p.z - 1.5)) < 1.2))
+                continue; // the widest disc ends at the rim
+            std::array<AreaMoments, 3> under;
+            area->under({at.position, at.normal, 1.0f, 0.5f}, radii, under);
+            for (std::size_t i = 0; i < radii.size(); ++i) {
+                const double disc = std::numbers::pi * std::pow(static_cast<double>(radii[i]), 2.0);
+                QVERIFY2(std::abs(under[i].area - disc) <= 0.005 * disc,
+                         qPrintable(QString::number(under[i].area / disc)));
+            }
+        }
+    }
+
+    void allOfAnOpenPlaceIsReached() // what stands on it sees some of the floor; its own top sees the lamp only
+    {
+        SceneBuilder builder("open place");
+        const int grey = builder.addMaterial("grey", glm::vec3(0.6f));
+        builder.add("Floor", tiles(60, 60, 0.1f), grey);
+        builder.add("Chest", boxMesh({5.0f, -0.005f, 5.0f}, {5.5f, 0.4f, 5.5f}), grey);
+        builder.add("Low step", boxMesh({1.0f, -0.005f, 4.0f}, {1.5f, 0.02f, 4.5f}), grey);
+        builder.addPoint("Lamp", {2.0f, 1.5f, 2.0f}, glm::vec3(100.0f));
+        const Lit lit = litArea(builder);
+        // elements are judged as a whole: those half under a body count, along its rim and a cell wide at most
+        const double rim = 4.0 * 6.0 / 64.0;
+        QVERIFY2(lit.up >= 36.0 - 0.01 && lit.up <= 36.0 + rim, qPrintable(QString("%1 of 36 m2").arg(lit.up)));
     }
 
     /// The quick refusal must never refuse what a sampled point would have seen before itself.

@@ -73,6 +73,12 @@ glm::vec3 glossyFromLobe(const RayScene& rays, const LightSampler& lights, const
 
 } // namespace
 
+bool isLit(const RayScene& rays, const LightSampler& lights, int emitter, glm::vec3 p, glm::vec3 n, glm::vec2 u)
+{
+    LightSample light;
+    return lights.sample(emitter, p, u, light) && glm::dot(light.toLight, n) > 0.0f && !rays.isBlocked(p, light.end);
+}
+
 glm::vec3 directIlluminance(const RayScene& rays, const LightSampler& lights, const Mix& mix, glm::vec3 p, glm::vec3 n,
                             int samples, Rng& rng, glm::vec3* squaredError)
 {

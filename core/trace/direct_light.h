@@ -13,6 +13,11 @@ namespace lightloom {
 [[nodiscard]] glm::vec3 directIlluminance(const RayScene& rays, const LightSampler& lights, const Mix& mix, glm::vec3 p,
                                           glm::vec3 n, int samples, Rng& rng, glm::vec3* squaredError = nullptr);
 
+/// Whether light of one sample of `emitter`, at `u` of the unit square, falls on `p`, which is moved off its surface
+/// already, from before `n`.
+[[nodiscard]] bool isLit(const RayScene& rays, const LightSampler& lights, int emitter, glm::vec3 p, glm::vec3 n,
+                         glm::vec2 u);
+
 /// Radiance (cd/m2) of the glossy metallic part of `surface` towards `toEye` from the same lights; the diffuse part and
 /// mirrors left out (a mirror's ray is the caller's to follow). Half of the effort goes to the lobe, half to the
 /// lights, joined by the balance heuristic: no fireflies from narrow lobes or near lamps.

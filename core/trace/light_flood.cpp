@@ -92,11 +92,9 @@ private:
     bool collect(std::size_t blocks, Workers& workers, const std::stop_token& stop,
                  const std::function<void(std::size_t, std::vector<OpenPoint>&)>& body)
     {
-        std::vector<std::vector<OpenPoint>> found(blocks);
-        if (!workers.run(blocks, stop, [&](std::size_t block) { body(block, found[block]); })) return false;
-        for (const std::vector<OpenPoint>& some : found) {
-            for (const OpenPoint& point : some) add(point);
-        }
+        std::vector<OpenPoint> found;
+        if (!collectPoints(blocks, workers, stop, found, body)) return false;
+        for (const OpenPoint& point : found) add(point);
         return true;
     }
 
@@ -207,6 +205,15 @@ bool OpenPoints::isSeenFrom(const RayScene& rays, const OpenPoint& here, std::si
         if (areFacing(here, other) && !rays.isBlocked(here.p, other.p)) return true;
     }
     return false;
+}
+
+bool collectPoints(std::size_t blocks, Workers& workers, const std::stop_token& stop, std::vector<OpenPoint>& points,
+                   const std::function<void(std::size_t, std::vector<OpenPoint>&)>& body)
+{
+    std::vector<std::vector<OpenPoint>> found(blocks);
+    if (!workers.run(blocks, stop, [&](std::size_t block) { body(block, found[block]); })) return false;
+    for (const std::vector<OpenPoint>& some : found) points.insert(points.end(), some.begin(), some.end());
+    return true;
 }
 
 std::unique_ptr<const Flooded> floodFrom(const RayScene& rays, const SideElements& elements,

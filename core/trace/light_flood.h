@@ -2,6 +2,7 @@
 #pragma once
 #include "core/base/parallel.h"
 #include "core/trace/side_elements.h"
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -37,6 +38,12 @@ private:
 
 /// Where a ray met a surface, as an open point.
 [[nodiscard]] OpenPoint openPointAt(const RayScene& rays, const SideElements& elements, const Hit& hit);
+
+/// Runs blocks that find open points on all workers and adds these to `points` in the order of the blocks. False:
+/// stopped.
+[[nodiscard]] bool collectPoints(std::size_t blocks, Workers& workers, const std::stop_token& stop,
+                                 std::vector<OpenPoint>& points,
+                                 const std::function<void(std::size_t block, std::vector<OpenPoint>& found)>& body);
 
 /// What light gets to from some points by any number of bounces: elements that a random walk meets, and those that see
 /// something it met; glass that is reached from one side is reached on both.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/trace/light_reach.h"
 #include "core/base/sampling.h"
+#include "core/trace/direct_light.h"
 #include "core/trace/light_spaces.h"
 #include <algorithm>
 #include <limits>
@@ -50,9 +51,7 @@ private:
     {
         for (int e = 0; e < static_cast<int>(lights_.emitters().size()); ++e) {
             const float u1 = rng.uniform(), u2 = rng.uniform();
-            LightSample light;
-            if (!lights_.sample(e, origin, {u1, u2}, light) || !(glm::dot(light.toLight, n) > 0.0f)) continue;
-            if (!rays_.isBlocked(origin, light.end)) return true;
+            if (isLit(rays_, lights_, e, origin, n, {u1, u2})) return true;
         }
         return false;
     }

@@ -2,6 +2,7 @@
 #include "core/trace/light_spaces.h"
 #include "core/base/hash.h"
 #include "core/base/sampling.h"
+#include "core/trace/lamp_light.h"
 #include <algorithm>
 #include <functional>
 #include <limits>
@@ -11,27 +12,11 @@ namespace {
 
 constexpr std::uint32_t kSeeds = 1'024, kSeedRays = 8;
 constexpr std::uint32_t kPhotons = 512, kBounces = 16; ///< that find out which spaces a group is in
-constexpr std::uint32_t kOutsidePhotons = 32'768;      ///< that light what lies in no space
 constexpr std::size_t kBlock = 64;
 constexpr std::size_t kTries = 32;       ///< lines of sight between a seed and what a lamp lights
 constexpr std::size_t kMemberTries = 64; ///< between a point and a space
 constexpr std::size_t kFewPart = 64;     ///< one in so many photons outside all spaces is chance: a gap at an edge
 constexpr float kFar = std::numeric_limits<float>::infinity();
-
-/// Photons `first` to `end` of a group, as far as the surface they fall on. `number` counts from 0.
-template<class Use>
-void firstHits(const RayScene& rays, const SideElements& elements, const Scene& scene, const LightSampler& lights,
-               int group, std::uint64_t first, std::uint64_t end, const Use& use)
-{
-    const std::uint64_t stream = scene.groups[static_cast<std::size_t>(group)].key() ^ hashName("light reach");
-    for (std::uint64_t i = first; i < end; ++i) {
-        Rng rng(0, stream, i);
-        EmittedPhoton photon;
-        Hit hit;
-        if (!lights.emit(group, rng, photon) || !rays.intersect(photon.position, photon.travel, kFar, hit)) continue;
-        use(openPointAt(rays, elements, hit), rng);
-    }
-}
 
 } // namespace
 
@@ -115,6 +100,7 @@ bool LightSpaces::placeSeeds(Workers& workers, const std::stop_token& stop)
 bool LightSpaces::shine(const Scene& scene, const LightSampler& lights, int group, Workers& workers,
                         const std::stop_token& stop, Lit& lit) const
 {
+    const LampLight lamps(*rays_, *elements_, scene, lights, group);
     std::vector<Lit> found(kPhotons / kBlock);
     const bool all = workers.run(found.size(), stop, [&](std::size_t block) {
         const auto wander = [&](const OpenPoint& hit, Rng& rng) {
@@ -129,7 +115,7 @@ bool LightSpaces::shine(const Scene& scene, const LightSampler& lights, int grou
             found[block].hits.push_back(hit);
             found[block].wanders.push_back(std::move(on));
         };
-        firstHits(*rays_, *elements_, scene, lights, group, block * kBlock, (block + 1) * kBlock, wander);
+        lamps.firstHits(block * kBlock, (block + 1) * kBlock, wander);
     });
     for (Lit& some : found) {
         lit.hits.insert(lit.hits.end(), some.hits.begin(), some.hits.end());
@@ -227,16 +213,10 @@ bool LightSpaces::addOutside(const Scene& scene, const LightSampler& lights, int
         const std::vector<std::uint8_t>& reached = spaces_.at(space)->flooded->isReached;
         std::ranges::transform(inside, reached, inside.begin(), std::bit_or<>());
     }
-    std::vector<std::vector<OpenPoint>> found(kOutsidePhotons / kBlock);
-    const bool all = workers.run(found.size(), stop, [&](std::size_t block) {
-        firstHits(*rays_, *elements_, scene, lights, group, block * kBlock, (block + 1) * kBlock,
-                  [&](const OpenPoint& hit, Rng&) {
-                      if (!inside[hit.element]) found[block].push_back(hit);
-                  });
-    });
     std::vector<OpenPoint> starts;
-    for (const auto& some : found) starts.insert(starts.end(), some.begin(), some.end());
-    const auto outside = all ? floodFrom(*rays_, *elements_, starts, workers, stop) : nullptr;
+    const LampLight lamps(*rays_, *elements_, scene, lights, group);
+    if (!lamps.findOutside(inside, workers, stop, starts)) return false;
+    const auto outside = floodFrom(*rays_, *elements_, starts, workers, stop);
     if (!outside) return false;
     for (std::uint32_t e = 0; e < elements_->count(); ++e) {
         if (outside->isReached[e] && !inside[e]) reach.elements.push_back(e);
