@@ -3,7 +3,7 @@
 #include "core/base/units.h"
 #include "core/base/wide_vectors.h"
 #include "core/trace/medium.h"
-#include "core/trace/photon_tracer.h"
+#include "core/trace/photon_segments.h"
 #include <cstring>
 #include <limits>
 
@@ -20,6 +20,7 @@ struct PhotonBlock {
     std::size_t stored = 0;
     std::uint64_t rayCount = 0, caustic = 0, cutOff = 0;
     Ledger ledger{};
+    RawVector<PhotonSegment>* segments = nullptr; ///< where indirect segments go, if anyone asks for them
 
     /// Before so many are stored. One place more: whole registers are written.
     void makeRoom(std::size_t more)
@@ -63,6 +64,10 @@ public:
     }
 
     void escape() { end_ = &Ledger::escaped; }
+
+    /// On its way after its first surface, or after a mirror or glass: light that nobody computes exactly elsewhere.
+    [[nodiscard]] bool isIndirect() const { return bounce_ > 0; }
+    [[nodiscard]] glm::vec3 flux() const { return flux_; } ///< lumen
 
     /// Takes the photon from a hit onward. False: it ended here. The block has room for it.
     bool meet(PhotonBlock& block, const Hit& hit, glm::vec3 travel, Departure& away)

@@ -13,6 +13,7 @@ void PhotonWave::trace()
         for (std::size_t first = 0; first < count_; first += kGroup)
             block_.rays.intersect(rays_[first / kGroup], std::min(kGroup, count_ - first), met_[first / kGroup]);
         block_.makeRoom(count_);
+        if (block_.segments) listSegments();
         meetAll();
     }
 }
@@ -41,6 +42,22 @@ void PhotonWave::aim()
             rays_[aimed.ray / kGroup].travel[axis][aimed.ray % kGroup] = aimed.travel[axis];
     }
     aimedCount_ = 0;
+}
+
+void PhotonWave::listSegments()
+{
+    for (std::size_t ray = 0; ray < count_; ++ray) {
+        const PhotonPath& photon = photons_[places_[ray]];
+        if (!photon.isIndirect()) continue;
+        const Rays8& rays = rays_[ray / kGroup];
+        const Met8& met = met_[ray / kGroup];
+        const std::size_t i = ray % kGroup;
+        const bool isEndless = met.triangle[i] == Met8::kNothing;
+        block_.segments->push_back({{rays.origin[0][i], rays.origin[1][i], rays.origin[2][i]},
+                                    rays.travelOf(i),
+                                    photon.flux(),
+                                    isEndless ? PhotonSegment::kEndless : met.distance[i]});
+    }
 }
 
 /// Rays that go on move up, and never past one that is still to be looked at; those that end are overwritten.

@@ -27,6 +27,7 @@ private:
         if (!away.isUnaimed) aimed_[aimedCount_++] = {ray, away.ray.travel};
     }
     void aim();
+    void listSegments();
     void meetAll();
     bool meet(std::size_t ray, PhotonPath& photon);
 

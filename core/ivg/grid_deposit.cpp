@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/ivg/grid_deposit.h"
+#include "core/base/units.h"
+#include "core/base/wide_vectors.h"
+#include "core/ivg/grid_walk.h"
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+namespace lightloom {
+namespace {
+
+/// What is summed at one face or in one octant of a cell: the vector's components R x y z, G x y z, B x y z, then
+/// squares of luminance for the variance (one for faces, one per axis for cells).
+constexpr std::size_t kSummed = 12, kSquares = 9;
+
+struct alignas(64) Slot {
+    std::array<Floats4, kSummed / 4> sums;
+    std::uint64_t parts = 0; ///< of the face, what is open (GridOpenness::faceParts)
+};
+using Totals = std::array<double, kSummed>;
+
+constexpr std::size_t kSlabBytes = 1 << 20; ///< of slots that a thread works on at a time: they stay in its cache
+
+/// A segment in grid coordinates.
+struct GridSegment {
+    glm::vec3 from, to, toLight, flux;
+    float length; ///< metres
+};
+
+std::array<Floats4, 3> packed(const glm::vec3& w, const glm::vec3& flux, const glm::vec3& squares)
+{
+    const glm::vec3 r = w * flux.x, g = w * flux.y, b = w * flux.z;
+    return {Floats4{r.x, r.y, r.z, g.x}, Floats4{g.y, g.z, b.x, b.y}, Floats4{b.z, squares.x, squares.y, squares.z}};
+}
+
+std::uint64_t bitOf(float x, float y, int parts)
+{
+    const int i = std::min(static_cast<int>(x * static_cast<float>(parts)), parts - 1);
+    const int j = std::min(static_cast<int>(y * static_cast<float>(parts)), parts - 1);
+    return std::uint64_t{1} << (i + parts * j);
+}
+
+glm::mat3 matrixOf(const Totals& sums, double scale)
+{
+    glm::mat3 m;
+    for (int channel = 0; channel < 3; ++channel) {
+        for (int c = 0; c < 3; ++c)
+            m[channel][c] = static_cast<float>(sums[static_cast<std::size_t>(3 * channel + c)] * scale);
+    }
+    return m;
+}
+
+} // namespace
+
+/// Slots and totals of one estimator. Slots lie by (axis, plane, v, u, side) for faces, by (vertex, octant) for cells,
+/// so that a slab of planes is one stretch of memory.
+struct GridDeposit::Sums {
+    Sums(std::shared_ptr<const GridGeometry> at, GridEstimator how) : geometry(std::move(at)), estimator(how)
+    {
+        const std::size_t each = isTracks() ? 8 : 6;
+        slots.resize(each * lattice().vertexCount());
+        totals.resize(slots.size(), Totals{});
+        if (isTracks()) return;
+        for (std::size_t i = 0; i < lattice().vertexCount(); ++i) {
+            for (int axis = 0; axis < 3; ++axis) {
+                for (int side = 0; side < 2; ++side)
+                    slots[faceIndex(axis, lattice().vertex(i), side)].parts =
+                        openness().faceParts[i][std::size_t(axis)];
+            }
+        }
+    }
+    [[nodiscard]] const GridLattice& lattice() const { return geometry->lattice; }
+    [[nodiscard]] const GridOpenness& openness() const { return geometry->openness; }
+    [[nodiscard]] bool isTracks() const { return estimator == GridEstimator::tracks; }
+
+    [[nodiscard]] std::size_t faceIndex(int axis, glm::ivec3 vertex, int side) const
+    {
+        const glm::ivec3 n = lattice().vertices();
+        const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+        const std::size_t row = std::size_t(vertex[axis]) * std::size_t(n[v]) + std::size_t(vertex[v]);
+        return 2 * (std::size_t(axis) * lattice().vertexCount() + row * std::size_t(n[u]) + std::size_t(vertex[u])) +
+               std::size_t(side);
+    }
+
+    /// Grid planes of `axis`, or layers of cells, that one task takes.
+    struct Slab {
+        int axis;
+        PlaneRange planes;
+    };
+    [[nodiscard]] std::vector<Slab> slabs() const
+    {
+        const glm::ivec3 n = lattice().vertices();
+        std::vector<Slab> all;
+        for (int axis = isTracks() ? 2 : 0; axis < 3; ++axis) {
+            const std::size_t perPlane =
+                std::size_t(n[(axis + 1) % 3]) * std::size_t(n[(axis + 2) % 3]) * (isTracks() ? 8 : 2) * sizeof(Slot);
+            const int step = std::max(1, static_cast<int>(kSlabBytes / perPlane));
+            for (int plane = 0; plane < n[axis]; plane += step)
+                all.push_back({axis, {plane, std::min(plane + step, n[axis]) - 1}});
+        }
+        return all;
+    }
+
+    std::uint64_t cross(const GridSegment& s, const Slab& slab)
+    {
+        const int axis = slab.axis, u = (axis + 1) % 3, v = (axis + 2) % 3;
+        const PlaneRange crossed = crossedPlanes(s.from[axis], s.to[axis]).within(slab.planes);
+        if (crossed.count() == 0) return 0;
+        glm::vec3 w = s.toLight;
+        const float along = std::abs(w[axis]), light = luminance(s.flux);
+        float square = light * along;
+        if (estimator == GridEstimator::crossings) {
+            w /= std::max(along, kLeastCosine);
+            w[axis] = std::copysign(1.0f, w[axis]);
+            square = light;
+        }
+        const std::array<Floats4, 3> values = packed(w, s.flux, glm::vec3(square * square, 0.0f, 0.0f));
+        const int side = s.to[axis] < s.from[axis] ? 1 : 0; // light comes from where the photon does
+        const auto mostU = static_cast<float>(lattice().cells[u]), mostV = static_cast<float>(lattice().cells[v]);
+        const auto rowU = std::size_t(lattice().cells[u] + 1), rowV = std::size_t(lattice().cells[v] + 1);
+        Slot* const first = slots.data() + 2 * std::size_t(axis) * lattice().vertexCount() + std::size_t(side);
+        std::uint64_t count = 0;
+        forCrossings(s.from, s.to, axis, crossed, [&](int plane, float atU, float atV) {
+            if (!(atU >= 0.0f && atU <= mostU && atV >= 0.0f && atV <= mostV)) return;
+            const int i = static_cast<int>(atU + 0.5f), j = static_cast<int>(atV + 0.5f);
+            Slot& slot = first[2 * ((std::size_t(plane) * rowV + std::size_t(j)) * rowU + std::size_t(i))];
+            const float x = atU + 0.5f - static_cast<float>(i), y = atV + 0.5f - static_cast<float>(j);
+            if ((slot.parts & bitOf(x, y, GridOpenness::kParts)) == 0) return;
+            for (std::size_t k = 0; k < values.size(); ++k) slot.sums[k] += values[k];
+            ++count;
+        });
+        return count;
+    }
+
+    std::uint64_t pass(const GridSegment& s, const Slab& slab)
+    {
+        const float low = std::min(s.from.z, s.to.z), high = std::max(s.from.z, s.to.z);
+        if (high < static_cast<float>(slab.planes.first) - 0.5f || low > static_cast<float>(slab.planes.last) + 0.5f)
+            return 0;
+        const float light = luminance(s.flux);
+        const std::array<Floats4, 3> values = packed(s.toLight, s.flux, light * light * s.toLight * s.toLight);
+        const std::size_t octant =
+            (s.toLight.x > 0.0f ? 1u : 0u) + (s.toLight.y > 0.0f ? 2u : 0u) + (s.toLight.z > 0.0f ? 4u : 0u);
+        std::uint64_t count = 0;
+        forPieces(s.from, s.to, lattice().cells, slab.planes, [&](const glm::ivec3& vertex, float begin, float share) {
+            const std::size_t index = lattice().index(vertex);
+            const glm::vec3 middle = s.from + (begin + 0.5f * share) * (s.to - s.from) - glm::vec3(vertex) + 0.5f;
+            const int level = std::clamp(static_cast<int>(middle.z * 4.0f), 0, 3);
+            const std::uint64_t bit = bitOf(glm::max(middle.x, 0.0f), glm::max(middle.y, 0.0f), 4) << (16 * level);
+            if ((openness().cellParts[index] & bit) == 0) return;
+            Slot& slot = slots[8 * index + octant];
+            const float way = share * s.length;
+            const Floats4 last{way, way * way, way * way, way * way};
+            slot.sums[0] += values[0] * way;
+            slot.sums[1] += values[1] * way;
+            slot.sums[2] += values[2] * last;
+            ++count;
+        });
+        return count;
+    }
+
+    [[nodiscard]] GridSegment toGrid(const PhotonSegment& s) const
+    {
+        // far enough to leave the grid from anywhere in it
+        const glm::vec3 size = glm::vec3(lattice().cells) * lattice().cellSize;
+        const float length = std::min(s.length, 2.0f * glm::length(size));
+        return {lattice().toGrid(s.from), lattice().toGrid(s.from + length * s.travel), -s.travel, s.flux, length};
+    }
+
+    /// Moves the sums of a stretch of slots to their totals.
+    void settle(std::size_t first, std::size_t end)
+    {
+        for (std::size_t i = first; i < end; ++i) {
+            for (std::size_t k = 0; k < kSummed; ++k) totals[i][k] += static_cast<double>(slots[i].sums[k / 4][k % 4]);
+            slots[i].sums = {};
+        }
+    }
+
+    /// m2, what is open of a face; 0 where nothing is.
+    [[nodiscard]] double openArea(std::size_t index, int axis) const
+    {
+        const glm::ivec3 vertex = lattice().vertex(index);
+        double area = static_cast<double>(lattice().faceArea(axis) * openness().faceShare[index][axis]);
+        for (const int across : {(axis + 1) % 3, (axis + 2) % 3}) area *= isBorder(vertex, across) ? 0.5 : 1.0;
+        return area;
+    }
+    [[nodiscard]] double openVolume(std::size_t index) const
+    {
+        const glm::ivec3 vertex = lattice().vertex(index);
+        double volume = static_cast<double>(lattice().cellVolume() * openness().cellShare[index]);
+        for (int axis = 0; axis < 3; ++axis) volume *= isBorder(vertex, axis) ? 0.5 : 1.0;
+        return volume;
+    }
+    [[nodiscard]] bool isBorder(glm::ivec3 vertex, int axis) const
+    {
+        return vertex[axis] == 0 || vertex[axis] == lattice().cells[axis];
+    }
+
+    std::shared_ptr<const GridGeometry> geometry;
+    GridEstimator estimator;
+    std::vector<Slot> slots;
+    std::vector<Totals> totals;
+    std::vector<RawVector<GridSegment>> segments; // of the call's blocks
+    std::atomic<std::uint64_t> deposits = 0;
+};
+
+GridDeposit::GridDeposit(std::shared_ptr<const GridGeometry> geometry, GridEstimator estimator)
+    : sums_(std::make_unique<Sums>(std::move(geometry), estimator))
+{
+}
+GridDeposit::~GridDeposit() = default;
+
+bool GridDeposit::add(std::span<const SegmentBlock> blocks, Workers& workers, const std::stop_token& stop)
+{
+    Sums& sums = *sums_;
+    sums.segments.resize(blocks.size());
+    const bool isRead = workers.run(blocks.size(), stop, [&](std::size_t b) {
+        sums.segments[b].resize(blocks[b].segments.size());
+        std::ranges::transform(blocks[b].segments, sums.segments[b].begin(),
+                               [&](const PhotonSegment& s) { return sums.toGrid(s); });
+    });
+    if (!isRead) return false;
+    const auto slabs = sums.slabs();
+    const bool isSummed = workers.run(slabs.size(), stop, [&](std::size_t task) {
+        std::uint64_t count = 0;
+        for (const auto& block : sums.segments) {
+            if (stop.stop_requested()) return;
+            for (const GridSegment& s : block)
+                count += sums.isTracks() ? sums.pass(s, slabs[task]) : sums.cross(s, slabs[task]);
+        }
+        sums.deposits += count;
+    });
+    if (!isSummed || stop.stop_requested()) return false;
+    constexpr std::size_t kStretch = 4096;
+    const std::size_t stretches = (sums.slots.size() + kStretch - 1) / kStretch;
+    return workers.run(stretches, stop, [&](std::size_t s) {
+        sums.settle(s * kStretch, std::min(sums.slots.size(), (s + 1) * kStretch));
+    });
+}
+
+std::uint64_t GridDeposit::deposits() const { return sums_->deposits; }
+
+GridLayer GridDeposit::layer(int group) const
+{
+    const Sums& sums = *sums_;
+    const GridLattice& lattice = sums.lattice();
+    GridLayer layer{group, {}, {}};
+    layer.vectors.resize(lattice.vertexCount(), IrradianceVectors{});
+    layer.variance.resize(lattice.vertexCount(), {});
+    for (std::size_t i = 0; i < lattice.vertexCount(); ++i) {
+        for (std::size_t d = 0; d < 6; ++d) {
+            const int axis = static_cast<int>(d / 2), side = static_cast<int>(d % 2);
+            const double open = sums.isTracks() ? sums.openVolume(i) : sums.openArea(i, axis);
+            if (open <= 0.0) continue;
+            Totals total{};
+            double square = 0.0;
+            if (sums.isTracks()) {
+                for (std::size_t octant = 0; octant < 8; ++octant) {
+                    if (static_cast<int>(octant >> axis & 1) != side) continue;
+                    const Totals& part = sums.totals[8 * i + octant];
+                    for (std::size_t k = 0; k < kSquares; ++k) total[k] += part[k];
+                    square += part[kSquares + std::size_t(axis)];
+                }
+            } else {
+                total = sums.totals[sums.faceIndex(axis, lattice.vertex(i), side)];
+                square = total[kSquares];
+            }
+            layer.vectors[i][d] = matrixOf(total, 1.0 / open);
+            layer.variance[i][d] = static_cast<float>(square / (open * open));
+        }
+    }
+    return layer;
+}
+
+double GridDeposit::bytesFor(const GridLattice& lattice)
+{
+    return static_cast<double>(lattice.vertexCount()) * 8.0 * static_cast<double>(sizeof(Slot) + sizeof(Totals));
+}
+
+} // namespace lightloom

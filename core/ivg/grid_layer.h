@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "core/ivg/grid_lattice.h"
+#include "core/ivg/grid_openness.h"
+#include "core/ivg/irradiance_vectors.h"
+#include <memory>
+#include <vector>
+
+namespace lightloom {
+
+/// A lattice and what walls leave of it. Immutable once shared.
+struct GridGeometry {
+    GridLattice lattice;
+    GridOpenness openness;
+    [[nodiscard]] std::size_t memoryBytes() const { return openness.memoryBytes(); }
+};
+
+/// Light of one light group at the vertices of a lattice, at baked intensity. Immutable once shared.
+struct GridLayer {
+    int group = 0;
+    std::vector<IrradianceVectors> vectors;     ///< by vertex; zero where nothing is open
+    std::vector<std::array<float, 6>> variance; ///< by vertex: of the luminance of I_delta . delta, lux^2
+    [[nodiscard]] std::size_t memoryBytes() const
+    {
+        return vectors.size() * (sizeof(IrradianceVectors) + sizeof(std::array<float, 6>));
+    }
+};
+
+} // namespace lightloom
