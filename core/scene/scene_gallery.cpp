@@ -136,6 +136,46 @@ struct Hanging {
 };
 
 constexpr float kWide = 1.3f, kHigh = 1.3f;
+constexpr float kBar = 0.05f, kDepth = 0.04f; // of a frame: width seen, and how far it stands off the wall
+constexpr float kProud = 0.003f;              // a canvas stands before its frame's front,
+constexpr float kSunk = 0.005f;               // reaches into it,
+constexpr float kLap = 0.002f;                // and over its inner edge
+
+/// A frame of four bars, a closed body from `low` to `high`, `across` its thin axis.
+Mesh frameMesh(glm::vec3 low, glm::vec3 high, int across)
+{
+    CellPlan plan;
+    std::array<std::vector<float>*, 3> planes{&plan.xs, &plan.ys, &plan.zs};
+    glm::vec3 innerLow = low, innerHigh = high;
+    for (int axis = 0; axis < 3; ++axis) {
+        std::vector<float>& at = *planes[static_cast<std::size_t>(axis)];
+        at = {low[axis], high[axis]};
+        if (axis == across) continue;
+        innerLow[axis] += kBar + kLap, innerHigh[axis] -= kBar + kLap;
+        at.insert(at.begin() + 1, {innerLow[axis], innerHigh[axis]});
+    }
+    plan.airOutside = true;
+    plan.isAir = [=](glm::vec3 p) {
+        return glm::all(glm::greaterThan(p, innerLow)) && glm::all(glm::lessThan(p, innerHigh));
+    };
+    return std::move(cellShell(plan).front());
+}
+
+/// A canvas stretched around its edges, without a back: its border lies inside the frame. Were it a sheet before the
+/// frame, the dark gap behind it would count as surface that light reaches, and take half of the light before it.
+Mesh canvasMesh(glm::vec3 corner, glm::vec3 u, glm::vec3 v)
+{
+    Mesh mesh = texturedQuadMesh(corner, u, v);
+    const glm::vec3 in = (kProud + kSunk) * glm::normalize(glm::cross(v, u));
+    for (std::uint32_t i = 0; i < 4; ++i) {
+        mesh.positions.push_back(mesh.positions[i] + in);
+        mesh.uv[0].push_back(glm::vec2(mesh.uv[0][i]));
+        const std::uint32_t next = (i + 1) % 4;
+        mesh.triangles.push_back({i, 4 + i, 4 + next});
+        mesh.triangles.push_back({i, 4 + next, next});
+    }
+    return mesh;
+}
 
 void addPictures(SceneBuilder& builder)
 {
@@ -156,13 +196,14 @@ void addPictures(SceneBuilder& builder)
         texture.offset = {static_cast<float>(i % 3) / 4.0f, static_cast<float>(i / 3) / 2.0f};
         const int canvas = addTextured(builder, h.title, texture);
         const glm::vec3 up(0.0f, 1.0f, 0.0f), right = glm::cross(up, h.normal);
-        const glm::vec3 front = h.centre + 0.043f * h.normal; // 3 mm before the frame
+        const glm::vec3 front = h.centre + (kDepth + kProud) * h.normal;
         builder.add(fmt::format("Pictures/{}", h.title),
-                    texturedQuadMesh(front - 0.5f * (kWide * right + kHigh * up), kWide * right, kHigh * up), canvas);
+                    canvasMesh(front - 0.5f * (kWide * right + kHigh * up), kWide * right, kHigh * up), canvas);
         // the frame reaches 1 cm into the wall, so that nothing lies in the wall's plane
-        const glm::vec3 a = h.centre - 0.5f * ((kWide + 0.1f) * right + (kHigh + 0.1f) * up) - 0.01f * h.normal;
-        const glm::vec3 b = h.centre + 0.5f * ((kWide + 0.1f) * right + (kHigh + 0.1f) * up) + 0.04f * h.normal;
-        builder.add(fmt::format("Frames/{}", h.title), boxMesh(glm::min(a, b), glm::max(a, b)), frame);
+        const glm::vec3 side = 0.5f * ((kWide + 2.0f * kBar) * right + (kHigh + 2.0f * kBar) * up);
+        const glm::vec3 a = h.centre - side - 0.01f * h.normal, b = h.centre + side + kDepth * h.normal;
+        builder.add(fmt::format("Frames/{}", h.title),
+                    frameMesh(glm::min(a, b), glm::max(a, b), h.normal.x != 0.0f ? 0 : 2), frame);
         const float away = h.normal.x != 0.0f ? 1.7f : 1.9f;
         builder.addSpot(fmt::format("Lamps/Spot on {}", h.title), h.centre + away * h.normal + 2.25f * up, h.centre,
                         tinted({1.0f, 0.83f, 0.62f}, 2000.0f), glm::radians(12.0f), glm::radians(24.0f));
