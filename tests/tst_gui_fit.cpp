@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Claims about what use showed: at 1280 pixels of width nothing of the toolbar is cut off and the snapshots stand
 // beside a legend whole; the form of a lamp is readable under a long list of lamps, whose row is in sight; labels of
-// lights do not hide each other; the figure under the cursor follows lamps and bakes while the mouse rests.
+// lights do not hide each other; the figure under the cursor follows lamps and bakes while the mouse rests, and is of
+// where the cursor is, however it came there.
 #include "widgets/bake_panel.h"
 #include "widgets/gl/gl_probe.h"
 #include "widgets/lamp_desk.h"
@@ -13,10 +14,12 @@
 #include "widgets/snapshot_bar.h"
 #include "window_helpers.h"
 #include <QApplication>
+#include <QCursor>
 #include <QDockWidget>
 #include <QDoubleSpinBox>
 #include <QLabel>
 #include <QMenu>
+#include <QScopeGuard>
 #include <QScrollArea>
 #include <QScrollBar>
 #include <QSlider>
@@ -179,6 +182,8 @@ private Q_SLOTS:
     {
         Viewport& viewport = *window_->viewport();
         QVERIFY(settle(viewport));
+        QTest::mouseMove(window_->findChild<QToolBar*>(), QPoint(5, 5)); // off the picture: no figure of another place
+        QTRY_VERIFY_WITH_TIMEOUT(labelEnding(*window_, " lx at cursor") == nullptr, 10'000);
         QTest::mouseMove(&viewport, QPoint(viewport.width() / 2, viewport.height() * 9 / 10));
         QLabel* figure = nullptr;
         QTRY_VERIFY_WITH_TIMEOUT((figure = labelEnding(*window_, " lx at cursor")) != nullptr, 10'000);
@@ -189,6 +194,49 @@ private Q_SLOTS:
         QTRY_VERIFY2_WITH_TIMEOUT(std::abs(now() / full - 0.5) < 0.01, qPrintable(figure->text()), 10'000);
         window_->sceneDock().findChild<QSlider*>()->setValue(100);
         QTRY_VERIFY_WITH_TIMEOUT(std::abs(now() / full - 1.0) < 0.01, 10'000);
+    }
+
+    /// Not by a move of the mouse: what lay over the viewport goes, or the viewport itself moves under it.
+    void theFigureIsOfWhereTheCursorIs()
+    {
+        Viewport& viewport = *window_->viewport();
+        auto* dock = window_->findChild<QDockWidget*>("sceneDock");
+        glm::vec3 place(0.0f);
+        bool isOn = false;
+        const auto watch = connect(&viewport, &Viewport::hovered, this, [&](bool isOnSurface, glm::vec3 p, glm::vec3) {
+            isOn = isOnSurface;
+            place = p;
+        });
+        const auto cleanUp = qScopeGuard([&] { disconnect(watch); });
+        const auto missed = [&] { // pixels between the cursor and what was looked at
+            const auto at = isOn ? viewport.placeIn(place) : std::nullopt;
+            return at ? (*at - QPointF(viewport.mapFromGlobal(QCursor::pos()))).manhattanLength() : 1e9;
+        };
+        QVERIFY(settle(viewport));
+        QTest::mouseMove(&viewport, {viewport.width() / 2, viewport.height() * 3 / 4});
+        QTRY_VERIFY2_WITH_TIMEOUT(missed() < 3.0, "a move", 10'000);
+
+        dock->setFloating(true);
+        dock->setGeometry(QRect(viewport.mapToGlobal(QPoint(20, 20)), QSize(240, 300)));
+        QVERIFY(settle(viewport));
+        QTest::mouseMove(dock, {200, 200});
+        QTRY_VERIFY2_WITH_TIMEOUT(!viewport.underMouse() && !isOn, "a panel lies over it", 10'000);
+        dock->hide();
+        QTRY_VERIFY2_WITH_TIMEOUT(missed() < 3.0, qPrintable(QString("panel gone: %1").arg(missed())), 10'000);
+
+        dock->setFloating(false);
+        dock->show();
+        QTest::qWait(50);
+        QVERIFY(settle(viewport));
+        QTest::mouseMove(&viewport, {viewport.width() / 3, viewport.height() * 3 / 4});
+        QTRY_VERIFY2_WITH_TIMEOUT(missed() < 3.0, "a move", 10'000);
+        const QPoint before = viewport.mapFromGlobal(QCursor::pos());
+        dock->hide();
+        QTRY_VERIFY_WITH_TIMEOUT(viewport.mapFromGlobal(QCursor::pos()).x() > before.x() + 50, 10'000);
+        QVERIFY(settle(viewport));
+        QTRY_VERIFY2_WITH_TIMEOUT(missed() < 3.0, qPrintable(QString("viewport moved: %1").arg(missed())), 10'000);
+        dock->show();
+        QVERIFY(settle(viewport));
     }
 
     void aLampsFormIsReadableUnderALongList()

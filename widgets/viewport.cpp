@@ -419,7 +419,7 @@ std::optional<Renderer::SurfaceSample> Viewport::surfaceAt(QPointF position)
 
 void Viewport::hover()
 {
-    const auto found = surfaceAt(hoverAt_);
+    const auto found = surfaceAt(mapFromGlobal(hoverAt_));
     const Renderer::SurfaceSample none{glm::vec3(0.0f), glm::vec3(0.0f)};
     Q_EMIT hovered(found.has_value(), found.value_or(none).position, found.value_or(none).normal);
 }

@@ -97,6 +97,7 @@ protected:
     void keyPressEvent(QKeyEvent* event) override;
     void keyReleaseEvent(QKeyEvent* event) override;
     void focusOutEvent(QFocusEvent* event) override;
+    void enterEvent(QEnterEvent* event) override;
     void leaveEvent(QEvent* event) override;
 
 private:
@@ -147,7 +148,8 @@ private:
     float scale_ = 1.0f;
     double frameMs_ = 0;
     FramePacer pacer_;
-    QPointF last_, pressed_, hoverAt_;
+    QPointF last_, pressed_;
+    QPointF hoverAt_; // on the screen: the viewport may move under a cursor that rests
     QSet<int> keys_;
     QElapsedTimer walkClock_;
     QTimer rest_, walk_, hover_, more_, refine_;

@@ -52,7 +52,8 @@ void Viewport::mouseReleaseEvent(QMouseEvent* event)
 void Viewport::mouseMoveEvent(QMouseEvent* event)
 {
     const QPointF delta = event->position() - last_;
-    last_ = hoverAt_ = event->position();
+    last_ = event->position();
+    hoverAt_ = event->globalPosition();
     const Qt::MouseButtons buttons = event->buttons();
     if (buttons == Qt::NoButton) {
         if (!hover_.isActive()) hover_.start();
@@ -109,6 +110,13 @@ void Viewport::focusOutEvent(QFocusEvent* event)
     walk_.stop();
     setPicking(isPicking_); // its cursor
     QOpenGLWidget::focusOutEvent(event);
+}
+
+void Viewport::enterEvent(QEnterEvent* event)
+{
+    hoverAt_ = event->globalPosition(); // what lay over the viewport may have gone, and no move comes
+    hover_.start();
+    QOpenGLWidget::enterEvent(event);
 }
 
 void Viewport::leaveEvent(QEvent* event)
