@@ -117,6 +117,42 @@ private Q_SLOTS:
         QVERIFY(twins.at(1.0) <= 1e-3 * mean);
     }
 
+    void stripsAreThePicture() // glass and mirrors in it; to the bit, direct light that is refined later as well
+    {
+        const auto scene = std::make_shared<const Scene>(causticRing());
+        BakeParams params;
+        params.photonCount = 30'000;
+        params.octreeFirstDepth = params.octreeDepth = 4;
+        const auto octree = bakeOctree(scene, params);
+        auto renderer = Renderer::make(*gl_.gl);
+        QVERIFY(octree && renderer);
+        Renderer& draw = **renderer;
+        QVERIFY(draw.setScene(makeDrawData(scene)));
+        QVERIFY(draw.setOctree(std::make_shared<GpuOctree>(*makeGpuOctree(*octree))));
+        while (!draw.drawShadows(1000.0) || !draw.drawEnvironments(1000.0)) {
+        }
+        FrameView frame = viewOf(*scene, 0, kSize);
+        frame.willRefine = true;
+        const auto refined = [&] {
+            for (int rounds = 0; rounds < 3;) rounds += draw.refine(frame) != Renderer::Refined::part ? 1 : 0;
+            return draw.picture(2);
+        };
+        for (int i = 0; i < 2; ++i) QVERIFY(draw.draw(frame, i, kSize, gl_.target(), kSize));
+        const auto whole = draw.picture(2), wholeRefined = refined();
+        QVERIFY(draw.begin(frame, 0, kSize)); // and dropped
+        QVERIFY(!draw.shade(0.01));
+        for (int i = 0; i < 2; ++i) {
+            QVERIFY(draw.begin(frame, i, kSize));
+            int turns = 1;
+            while (!draw.shade(0.01)) ++turns;
+            QVERIFY2(turns > 10, qPrintable(QString::number(turns)));
+        }
+        const auto parts = draw.picture(2), partsRefined = refined();
+        QVERIFY(whole.size() == parts.size() && whole == parts);
+        QVERIFY(!(wholeRefined == whole));
+        QVERIFY(wholeRefined == partsRefined);
+    }
+
     void directComesNearTheExactOne()
     {
         auto renderer = Renderer::make(*gl_.gl);

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Claim: while a bake runs and nothing moves, polishing pictures leave most of the time to it; news is coarse first
-// where a full picture is dear; a fast machine notices none of it; and when the bake is done the picture sharpens.
+// where a full picture is dear; a fast machine notices none of it; and when the bake is done the picture sharpens,
+// while events are answered.
 #include "widgets/frame_pacer.h"
 #include "widgets/gl/gl_probe.h"
-#include "widgets/main_window.h"
-#include "widgets/viewport.h"
+#include "window_helpers.h"
 #include <QApplication>
-#include <QSignalSpy>
-#include <QtTest>
+#include <algorithm>
 
 using namespace lightloom;
+using namespace lightloom::test;
 
 namespace {
 const QString kScene = QStringLiteral(LIGHTLOOM_SOURCE_DIR "/sample_scenes/two_rooms.glb");
@@ -88,6 +88,34 @@ private Q_SLOTS:
                  qPrintable(QString("%1 pictures took %2 of %3 ms").arg(drawn.count()).arg(drawing).arg(baking)));
         QTRY_VERIFY_WITH_TIMEOUT(window.viewport()->isSettled(), 60'000);
         QCOMPARE(window.viewport()->scale(), 1.0f);
+    }
+
+    /// A full picture is drawn in strips where it is dear: none of its eight holds up the events for long.
+    void eventsAreAnsweredWhileThePictureSharpens()
+    {
+        const auto window = makeWindow();
+        window->resize(1280, 800);
+        QVERIFY(openAndBake(*window, kScene));
+        Viewport& viewport = *window->viewport();
+        QVERIFY(settle(viewport));
+        QElapsedTimer beat, whole;
+        std::vector<double> pauses;
+        QTimer timer;
+        connect(&timer, &QTimer::timeout, &timer, [&] {
+            pauses.push_back(static_cast<double>(beat.nsecsElapsed()) * 1e-6);
+            beat.start();
+        });
+        QSignalSpy drawn(&viewport, &Viewport::frameDrawn);
+        timer.start(1);
+        beat.start(), whole.start();
+        drag(viewport, viewport.rect().center(), viewport.rect().center() + QPoint(20, 3));
+        QVERIFY(settle(viewport));
+        const double longest = std::ranges::max(pauses), picture = viewport.frameMs();
+        qInfo("settled after %lld ms, %zu turns, longest pause %.0f ms, %d pictures, the last took %.0f ms",
+              whole.elapsed(), pauses.size(), longest, int(drawn.count()), picture);
+        QVERIFY(drawn.count() >= 9);
+        // a strip, a coarse picture, or a whole one shown, with the window around it
+        QVERIFY2(longest <= std::max(150.0, 0.4 * picture), qPrintable(QString::number(longest)));
     }
 };
 

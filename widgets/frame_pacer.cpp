@@ -20,7 +20,7 @@ void FramePacer::drew(float scale, bool isCoarse, double pictureMs, double allMs
     if (pictureMs < 0.4 * kSmoothMs) coarseScale_ = std::min(1.0f, coarseScale_ * 1.15f);
 }
 
-int FramePacer::pauseMs() const { return isBusy_ ? asDelay(kPauses * lastMs_) : 1; }
+int FramePacer::pauseAfter(double ms) const { return isBusy_ ? asDelay(kPauses * ms) : 1; }
 int FramePacer::sharpenMs() const { return isBusy_ ? asDelay(kPauses * std::max(fullMs_, 0.0)) : 1; }
 
 } // namespace lightloom

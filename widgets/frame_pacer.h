@@ -18,16 +18,20 @@ public:
     void setBusy(bool busy) { isBusy_ = busy; }
     [[nodiscard]] bool isBusy() const { return isBusy_; }
 
-    /// A picture at `scale` times the resolution took `pictureMs`, with all that came with it (uploads, shadow maps)
-    /// `allMs`. Coarse ones adapt the coarse scale.
+    /// A picture at `scale` times the resolution took `pictureMs`; its last part (all of it, where it was drawn at
+    /// once), with all that came with it (uploads, shadow maps), `allMs`. Coarse ones adapt the coarse scale.
     void drew(float scale, bool isCoarse, double pictureMs, double allMs);
 
     /// Scale of pictures while something moves: 0.25 to 1.
     [[nodiscard]] float coarseScale() const { return coarseScale_; }
     /// While a bake runs: news from it is better shown coarse first, because a full picture is dear or not yet known.
-    [[nodiscard]] bool showsNewsCoarse() const { return isBusy_ && !(fullMs_ >= 0.0 && fullMs_ <= kSmoothMs); }
+    [[nodiscard]] bool showsNewsCoarse() const { return isBusy_ && isDear(); }
+    /// A full picture takes longer than a smooth one may, or it is not known.
+    [[nodiscard]] bool isDear() const { return !(fullMs_ >= 0.0 && fullMs_ <= kSmoothMs); }
     /// Before a picture that only polishes: sharper, smoother. At least 1, so that events get their turn.
-    [[nodiscard]] int pauseMs() const;
+    [[nodiscard]] int pauseMs() const { return pauseAfter(lastMs_); }
+    /// The same after a part of one that took `ms`.
+    [[nodiscard]] int pauseAfter(double ms) const;
     /// Between changes of the texts around the picture while a bake runs: each composes the whole window anew.
     [[nodiscard]] int tellMs() const { return showsNewsCoarse() ? kSlowTellMs : kQuickTellMs; }
     /// Before the sharp picture that follows a coarse one of news.

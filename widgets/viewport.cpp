@@ -2,7 +2,9 @@
 #include "widgets/viewport.h"
 #include <QOpenGLContext>
 #include <QOpenGLVersionFunctionsFactory>
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace lightloom {
@@ -12,6 +14,8 @@ namespace {
 constexpr int kSamples = 8;             ///< pictures that are averaged at rest
 constexpr int kRestMs = 180;            ///< without motion until the full picture
 constexpr double kShadowMs = 12.0;      ///< of a frame, for shadow maps
+constexpr double kSliceMs = 40.0;       ///< of them at rest, where a picture takes as long
+constexpr double kShadeMs = 30.0;       ///< of a full picture, between events
 constexpr double kRefineMs = 15.0;      ///< of work between events, and never less than one lamp's
 constexpr double kAllShadowsMs = 100.0; ///< of a frame after a lamp was moved: its six, and more only if others wait
 
@@ -38,6 +42,9 @@ Viewport::Viewport(QWidget* parent) : QOpenGLWidget(parent)
     connect(&refine_, &QTimer::timeout, this, &Viewport::refineStep);
     more_.setSingleShot(true);
     connect(&more_, &QTimer::timeout, this, qOverload<>(&QWidget::update));
+    shade_.setSingleShot(true);
+    connect(&shade_, &QTimer::timeout, this, &Viewport::shadeStep);
+    setUpdateBehavior(PartialUpdate); // what is shown stays while the next picture is drawn in parts
 }
 
 Viewport::~Viewport()
@@ -129,6 +136,7 @@ void Viewport::setBusy(bool busy)
     pacer_.setBusy(busy);
     if (busy) return;
     if (more_.isActive()) more_.start(pacer_.pauseMs());
+    if (shade_.isActive()) shade_.start(1);
     refine_.start();
     if (rest_.isActive()) rest_.start(std::min(rest_.remainingTime(), kRestMs));
 }
@@ -240,6 +248,20 @@ bool Viewport::isRefined() const
     return isSettled() && (isRefined_ || !renderer_ || !renderer_->mayRefine(frameNow()));
 }
 
+void Viewport::shadeStep()
+{
+    if (!renderer_ || !isShading_ || isWhole_ || !isVisible()) return; // paintGL goes on when it is visible again
+    makeCurrent();
+    QElapsedTimer clock;
+    clock.start();
+    isWhole_ = renderer_->shade(kShadeMs);
+    doneCurrent();
+    const double ms = static_cast<double>(clock.nsecsElapsed()) * 1e-6;
+    shadeMs_ += ms;
+    if (!isWhole_) return shade_.start(pacer_.pauseAfter(ms));
+    update();
+}
+
 void Viewport::refineStep()
 {
     if (!renderer_ || !isSettled() || isRefined_ || pacer_.isBusy() || !isVisible()) return;
@@ -267,7 +289,7 @@ void Viewport::moved()
 
 void Viewport::changed()
 {
-    if (pacer_.showsNewsCoarse()) {
+    if (pacer_.isDear()) { // and a dragged slider would begin it anew without end
         coarseFor(kRestMs);
     } else {
         drawAnew();
@@ -293,7 +315,7 @@ void Viewport::coarseFor(int ms)
 void Viewport::drawAnew()
 {
     sample_ = 0;
-    toldSettled_ = isRefined_ = false;
+    toldSettled_ = isRefined_ = isShading_ = isWhole_ = false;
     update();
 }
 
@@ -341,35 +363,54 @@ void Viewport::paintGL()
     applyPending();
     const glm::ivec2 window = pixels();
     // exposed again after being covered, say: nothing new is to be added
-    const bool isRepaint = std::exchange(presentOnly_, false) ? sample_ > 0 : isSettled();
-    if (isRepaint) {
-        renderer_->present(frameNow(), sample_, defaultFramebufferObject(), window);
-        if (!isSettled() && !isMoving_ && !more_.isActive()) more_.start(pacer_.pauseMs());
+    const bool isAsked = std::exchange(presentOnly_, false) && sample_ > 0;
+    if (isWhole_) return showWhole(all);
+    if (isShading_ || isAsked || isSettled()) {
+        if (!isShading_ || isAsked) renderer_->present(frameNow(), sample_, defaultFramebufferObject(), window);
+        if (isShading_ && !shade_.isActive()) shade_.start(1);
+        if (!isShading_ && !isSettled() && !isMoving_ && !more_.isActive()) more_.start(pacer_.pauseMs());
         if (isSettled() && !isRefined_) refine_.start();
         return;
     }
     const bool before = shadowsReady_ && mirrorsReady_ && atlasReady_;
     // at rest as long as a picture takes: each slice of them is followed by one
-    const double slice = isMoving_ ? 0.5 * kShadowMs : std::max(kShadowMs, frameMs_);
+    const double slice = isMoving_ ? 0.5 * kShadowMs : std::clamp(frameMs_, kShadowMs, kSliceMs);
     shadowsReady_ = renderer_->drawShadows(slice);
     mirrorsReady_ = shadowsReady_ && (!showsBake() || renderer_->drawEnvironments(slice));
     atlasReady_ = mode_ != ViewMode::atlas || renderer_->renderAtlas(slice);
     if (!before) sample_ = 0; // lit differently than the pictures averaged so far
-    const bool isPassing = !shadowsReady_ && pacer_.showsNewsCoarse(); // the next slice will replace it
-    scale_ = isMoving_ || isPassing ? pacer_.coarseScale() : 1.0f;
-    QElapsedTimer clock;
-    clock.start();
+    // the next slice will replace it
+    const bool isPassing = !(shadowsReady_ && mirrorsReady_ && atlasReady_) && pacer_.isDear();
+    const bool isCoarse = isMoving_ || isPassing;
+    scale_ = isCoarse ? pacer_.coarseScale() : 1.0f;
     FrameView frame = frameNow();
     frame.willRefine = !isMoving_ && scale_ == 1.0f;
-    const Result<Done> drawn =
-        renderer_->draw(frame, std::min(sample_, kSamples - 1), glm::ivec2(glm::vec2(window) * scale_),
-                        defaultFramebufferObject(), window);
-    renderer_->finish();
-    if (!drawn) {
-        Q_EMIT problem(QString::fromStdString(drawn.error().message));
+    QElapsedTimer clock;
+    clock.start();
+    const Result<Done> begun =
+        renderer_->begin(frame, std::min(sample_, kSamples - 1), glm::ivec2(glm::vec2(window) * scale_));
+    if (!begun) {
+        Q_EMIT problem(QString::fromStdString(begun.error().message));
         return;
     }
-    frameDone(static_cast<double>(clock.nsecsElapsed()) * 1e-6, static_cast<double>(all.nsecsElapsed()) * 1e-6);
+    isShading_ = true;
+    isWhole_ = renderer_->shade(isCoarse ? std::numeric_limits<double>::infinity() : kShadeMs);
+    renderer_->finish();
+    shadeMs_ = static_cast<double>(clock.nsecsElapsed()) * 1e-6;
+    if (isWhole_) return showWhole(all);
+    shade_.start(pacer_.pauseAfter(shadeMs_));
+}
+
+/// The picture that has become whole; `all`: since this turn began.
+void Viewport::showWhole(const QElapsedTimer& all)
+{
+    QElapsedTimer clock;
+    clock.start();
+    renderer_->present(frameNow(), sample_ + 1, defaultFramebufferObject(), pixels());
+    renderer_->finish();
+    isShading_ = isWhole_ = false;
+    frameDone(shadeMs_ + static_cast<double>(clock.nsecsElapsed()) * 1e-6,
+              static_cast<double>(all.nsecsElapsed()) * 1e-6);
 }
 
 bool Viewport::showsBake() const

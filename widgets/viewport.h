@@ -115,8 +115,10 @@ private:
     [[nodiscard]] bool showsPhotons() const { return mode_ == ViewMode::photonMap && photons_; }
     void uploadComparison();
     void overlayChanged(Overlay before); ///< what is laid over the picture, or that it is
-    void refineStep();                   ///< for a frame's time, outside of pictures
-    void present();                      ///< the same picture again, with what is laid over it as it is now
+    void showWhole(const QElapsedTimer& all);
+    void shadeStep();  ///< the next rows of a picture that is drawn in parts, outside of paintGL
+    void refineStep(); ///< for a frame's time, outside of pictures
+    void present();    ///< the same picture again, with what is laid over it as it is now
     void walkStep();
     void hover();
     void meter();
@@ -144,7 +146,9 @@ private:
     Mix mix_;
     bool sceneIsNew_ = false, octreeIsNew_ = false, coloursAreNew_ = false, mixIsNew_ = false, needsMetering_ = false;
     bool isMoving_ = false, shadowsReady_ = false, mirrorsReady_ = false, toldSettled_ = false, isRefined_ = false;
-    int sample_ = 0; ///< pictures averaged so far
+    int sample_ = 0;                           ///< pictures averaged so far
+    bool isShading_ = false, isWhole_ = false; ///< the next one is drawn in parts; it is drawn, and not shown yet
+    double shadeMs_ = 0.0;                     ///< it took so far
     float scale_ = 1.0f;
     double frameMs_ = 0;
     FramePacer pacer_;
@@ -152,7 +156,7 @@ private:
     QPointF hoverAt_; // on the screen: the viewport may move under a cursor that rests
     QSet<int> keys_;
     QElapsedTimer walkClock_;
-    QTimer rest_, walk_, hover_, more_, refine_;
+    QTimer rest_, walk_, hover_, more_, shade_, refine_;
 };
 
 } // namespace lightloom

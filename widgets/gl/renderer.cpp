@@ -11,15 +11,6 @@ namespace {
 
 constexpr float kMostHalf = 60'000.0f; ///< emission is scaled to stay below the end of half floats
 
-/// Where in a pixel sample `i` looks, -0.5 to 0.5: the middle first, then the R2 sequence.
-glm::vec2 shiftOf(int i)
-{
-    if (i == 0) return glm::vec2(0.0f);
-    return glm::vec2(std::fmod(0.5f + 0.7548777f * static_cast<float>(i), 1.0f),
-                     std::fmod(0.5f + 0.5698403f * static_cast<float>(i), 1.0f)) -
-           0.5f;
-}
-
 } // namespace
 
 Result<std::unique_ptr<Renderer>> Renderer::make(Gl& gl)
@@ -71,6 +62,7 @@ Result<Done> Renderer::linkPrograms()
 Result<Done> Renderer::setScene(std::shared_ptr<const DrawData> data)
 {
     scene_.reset();
+    unlit_.reset();
     (void)vdl_->setOctree(nullptr); // dropping cannot fail
     (void)atlas_->setAtlas(nullptr);
     (void)colours_->setOctree(nullptr);
@@ -210,7 +202,7 @@ void Renderer::drawLight(const GBuffer& buffers, const FrameView& frame, bool mi
     const bool lamps = frame.mode == ViewMode::direct || !frame.indirectOnly;
     if (lamps) drawDirect(light, shadows_.lightCount(), emissionScale_); // else the buffer is black already
     if (frame.willRefine && mayRefine(frame)) {
-        addLightTo(buffers, buffers.directSumming, coarseSamples_++ == 0);
+        addLightTo(buffers, buffers.directSumming, coarseSamples_ == 0);
         gl_.glBindFramebuffer(GL_FRAMEBUFFER, buffers.lighting.id());
     }
     if (indirect == nullptr) return;
@@ -316,26 +308,6 @@ void Renderer::addLightTo(const GBuffer& buffers, const GlFramebuffer& sum, bool
     copyProgram_.setTexture("gPosition", 1, GL_TEXTURE_2D, buffers.position.id());
     drawFullscreen(gl_);
     gl_.glDisable(GL_BLEND);
-}
-
-Result<Done> Renderer::draw(const FrameView& frame, int sample, glm::ivec2 size, GLuint target, glm::ivec2 window)
-{
-    size = glm::max(size, glm::ivec2(1));
-    if (!buffers_ || buffers_->size != size) {
-        buffers_.reset();
-        Result<GBuffer> made = GBuffer::make(gl_, size);
-        if (!made) return made.error();
-        buffers_ = std::move(*made);
-        sample = 0;
-    }
-    refinedRounds_ = refinedLight_ = 0;
-    if (sample == 0) coarseSamples_ = 0;
-    drawSurfaces(*buffers_, frame, shiftOf(sample), -1);
-    drawLight(*buffers_, frame, true);
-    drawGlass(*buffers_, frame, shiftOf(sample));
-    addLightTo(*buffers_, buffers_->summing, sample == 0);
-    present(frame, sample + 1, target, window);
-    return Done{};
 }
 
 void Renderer::present(const FrameView& frame, int samples, GLuint target, glm::ivec2 window)

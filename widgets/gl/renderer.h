@@ -59,6 +59,11 @@ public:
     /// stretched over `window` pixels of framebuffer `target`. Samples after the first are taken through pixels shifted
     /// by less than half, so that edges smooth while the picture rests. Error: the driver refuses the buffers.
     Result<Done> draw(const FrameView& frame, int sample, glm::ivec2 size, GLuint target, glm::ivec2 window);
+    /// The same in parts, for pictures that are dear: `begin` draws the surfaces, `shade` lights rows of them from
+    /// below for about `budgetMs` (waiting for the GPU, to measure; at least a few rows). True: the picture is whole
+    /// and in the sum, to be shown with `present`. Another `begin` drops what is not whole. The same bits as `draw`.
+    Result<Done> begin(const FrameView& frame, int sample, glm::ivec2 size);
+    bool shade(double budgetMs);
     /// Shows again what `draw` has summed up over `samples` pictures, under another exposure or wipe.
     void present(const FrameView& frame, int samples, GLuint target, glm::ivec2 window);
     enum class Refined { part, round, all };
@@ -105,6 +110,7 @@ public:
 private:
     explicit Renderer(Gl& gl) : gl_(gl), shadows_(gl), empty_(gl) {}
     Result<Done> linkPrograms();
+    [[nodiscard]] static glm::vec2 shiftOf(int sample); ///< where in a pixel it looks, -0.5 to 0.5
     void drawSurfaces(const GBuffer& buffers, const FrameView& frame, glm::vec2 shift, int without);
     void drawLight(const GBuffer& buffers, const FrameView& frame, bool mirrors);
     [[nodiscard]] PreviewMode* indirectOf(ViewMode mode); ///< null: the mode shows no indirect light
@@ -113,7 +119,12 @@ private:
     [[nodiscard]] float refinedShare() const; ///< of the refinement that is shown
     void drawGlass(const GBuffer& buffers, const FrameView& frame, glm::vec2 shift);
     void addLightTo(const GBuffer& buffers, const GlFramebuffer& sum, bool first);
+    void shadeRows(int rows); ///< of `unlit_`, the next ones
 
+    struct Unlit {
+        FrameView frame;
+        int sample = 0, row = 0; ///< rows below are lit
+    };
     Gl& gl_;
     GlProgram surfaceProgram_, shadowProgram_, directProgram_, plainProgram_, postProgram_, copyProgram_, glassProgram_,
         refinedProgram_;
@@ -128,6 +139,8 @@ private:
     std::unique_ptr<ModeAtlas> atlas_;
     glm::mat4 viewProjection_{1.0f}; ///< of the surfaces drawn last
     float emissionScale_ = 1.0f;
+    std::optional<Unlit> unlit_;               ///< a picture between `begin` and its last row
+    double rowMs_ = 0.0;                       ///< of the rows that were lit last; 0: not known
     int coarseSamples_ = 0;                    ///< in GBuffer::directSum
     int refinedRounds_ = 0, refinedLight_ = 0; ///< whole ones, and of the next one
 };
