@@ -2,6 +2,7 @@
 // Claims: every face that light reaches and that is drawn has one place in the atlas; places never overlap; whatever
 // bilinear lookups read on a surface, in mips 0 to 2, belongs to its chart; texels stand for the surface under them;
 // the same atlas on any number of threads; nothing hangs or turns into NaN, whatever the triangles.
+#include "core/atlas/flat_overlap.h"
 #include "core/atlas/scene_uv.h"
 #include "core/base/rng.h"
 #include "core/scene/sample_scenes.h"
@@ -172,14 +173,14 @@ std::vector<std::array<glm::dvec2, 3>> inTexels(const Atlas& atlas)
     return triangles;
 }
 
-/// Overlap of triangles in an atlas `size` texels wide; the unit square is what findOverlap sorts by.
+/// Overlap of triangles in an atlas `size` texels wide.
 bool overlaps(const Atlas& atlas, double texels)
 {
     std::vector<std::array<glm::dvec2, 3>> unit = inTexels(atlas);
     for (auto& t : unit) {
         for (glm::dvec2& p : t) p /= double(atlas.size);
     }
-    return findOverlap(unit, texels / atlas.size, {}).has_value();
+    return findOverlap(unit, texels / atlas.size, {}).pair.has_value();
 }
 
 double twiceArea(const std::array<glm::dvec2, 3>& t)
@@ -535,10 +536,90 @@ private Q_SLOTS:
         const T a{glm::dvec2(0.1, 0.1), glm::dvec2(0.5, 0.1), glm::dvec2(0.1, 0.5)};
         const T beside{glm::dvec2(0.5, 0.1), glm::dvec2(0.5, 0.5), glm::dvec2(0.1, 0.5)}; // shares an edge
         const T on{glm::dvec2(0.4, 0.05), glm::dvec2(0.45, 0.3), glm::dvec2(0.9, 0.2)};
-        QVERIFY(!findOverlap({a, beside}, 1e-6, {}));
-        const auto found = findOverlap({a, beside, on}, 1e-6, {});
+        QVERIFY(!findOverlap({a, beside}, 1e-6, {}).pair);
+        const auto found = findOverlap({a, beside, on}, 1e-6, {}).pair;
         QVERIFY(found && found->first < 2 && found->second == 2);
-        QVERIFY(findOverlap({a, T{a[0], a[2], a[1]}}, 1e-6, {})); // the same, turned over
+        QVERIFY(findOverlap({a, T{a[0], a[2], a[1]}}, 1e-6, {}).pair); // the same, turned over
+    }
+
+    void overlapsAreThoseOfAllPairs() // a mesh with its corners moved by chance, some further than to the next
+    {
+        const auto reach = [](const std::array<glm::dvec2, 3>& t, const std::array<glm::dvec2, 3>& u) {
+            const std::vector<std::array<glm::dvec2, 3>> two{t, u};
+            return findOverlap(two, 1e-9, {}).pair.has_value();
+        };
+        Rng rng(1, hashName("overlaps"), 0);
+        int with = 0, without = 0;
+        for (int round = 0; round < 300; ++round) {
+            const double shake = round % 3 == 0 ? 0.4 : round % 3 == 1 ? 0.9 : 1.3; // of the corners' distance
+            const double squeeze = round % 2 == 0 ? 1.0 : 0.01;                     // slivers
+            constexpr int kSide = 6;
+            std::array<glm::dvec2, (kSide + 1) * (kSide + 1)> corners;
+            for (int i = 0; i <= kSide; ++i) {
+                for (int j = 0; j <= kSide; ++j) {
+                    const glm::dvec2 moved(rng.uniformDouble() - 0.5, rng.uniformDouble() - 0.5);
+                    const glm::dvec2 p = (glm::dvec2(i, j) + shake * moved) * glm::dvec2(1.0, squeeze);
+                    corners[static_cast<std::size_t>(i * (kSide + 1) + j)] = {p.x + p.y, p.y - p.x}; // aslant
+                }
+            }
+            std::vector<std::array<glm::dvec2, 3>> all;
+            for (int i = 0; i < kSide; ++i) {
+                for (int j = 0; j < kSide; ++j) {
+                    const auto at = [&](int x, int y) {
+                        return corners[static_cast<std::size_t>(x * (kSide + 1) + y)];
+                    };
+                    all.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+                    all.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+                }
+            }
+            bool doAny = false;
+            for (std::size_t i = 0; i < all.size(); ++i) {
+                for (std::size_t j = 0; j < i; ++j) doAny = doAny || reach(all[i], all[j]);
+            }
+            const auto found = findOverlap(all, 1e-9, {}).pair;
+            QVERIFY2(found.has_value() == doAny, qPrintable(QString("round %1").arg(round)));
+            if (found) QVERIFY(found->first < found->second && reach(all[found->first], all[found->second]));
+            (doAny ? with : without) += 1;
+        }
+        QVERIFY2(with > 60 && without > 60, qPrintable(QString("%1 %2").arg(with).arg(without)));
+    }
+
+    void sliversCostAsMuchAsOthers_data()
+    {
+        QTest::addColumn<bool>("isFan");
+        QTest::newRow("strips across the square") << false;
+        QTest::newRow("a fan from a corner") << true;
+    }
+    void sliversCostAsMuchAsOthers()
+    {
+        QFETCH(bool, isFan);
+        const auto slivers = [&](int count) { // corner to corner, or around one
+            std::vector<std::array<glm::dvec2, 3>> all;
+            for (int i = 0; i < count; ++i) {
+                const double a = double(i) / count, b = double(i + 1) / count;
+                if (isFan) {
+                    all.push_back({glm::dvec2(0.0), glm::dvec2(1.0 - a, a), glm::dvec2(1.0 - b, b)});
+                } else {
+                    all.push_back({glm::dvec2(0.0, a), glm::dvec2(0.0, b), glm::dvec2(1.0, a)});
+                    all.push_back({glm::dvec2(0.0, b), glm::dvec2(1.0, b), glm::dvec2(1.0, a)});
+                    for (std::size_t k = all.size() - 2; k < all.size(); ++k) {
+                        for (glm::dvec2& p : all[k]) p = {0.5 * (p.x + p.y), 0.5 * (p.y - p.x + 1.0)};
+                    }
+                }
+            }
+            return all;
+        };
+        for (const int count : {1000, 30'000}) {
+            std::vector<std::array<glm::dvec2, 3>> all = slivers(count);
+            const OverlapSearch none = findOverlap(all, 1e-9, {});
+            const double n = double(all.size());
+            qInfo("%d: %.1f comparisons a triangle", int(all.size()), double(none.comparisons) / n);
+            QVERIFY(!none.pair);
+            QVERIFY2(double(none.comparisons) <= n * (2.0 * std::log2(n) + 8.0),
+                     qPrintable(QString("%1 for %2").arg(none.comparisons).arg(n)));
+            all.push_back({glm::dvec2(0.4, 0.4), glm::dvec2(0.4001, 0.4), glm::dvec2(0.4, 0.4001)});
+            QVERIFY(findOverlap(all, 1e-9, {}).pair);
+        }
     }
 
 private:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/atlas/scene_uv.h"
 #include "core/atlas/chart_pack.h"
+#include "core/atlas/flat_overlap.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -13,27 +14,10 @@ using Triangle2 = std::array<glm::dvec2, 3>;
 constexpr float kOutside = 1e-4f; ///< of the square's side: rounding of whoever made the set
 constexpr double kOverlap = 1e-5; ///< the same
 
-double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
-double twiceArea(const Triangle2& t) { return cross(t[1] - t[0], t[2] - t[0]); }
-
-/// How far two triangles reach into each other along the edge normals of the first; least of the three.
-double depthAlong(const Triangle2& a, const Triangle2& b)
+double twiceArea(const Triangle2& t)
 {
-    const double turn = twiceArea(a) > 0.0 ? 1.0 : -1.0;
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t k = 0; k < 3; ++k) {
-        const glm::dvec2 edge = a[(k + 1) % 3] - a[k];
-        const glm::dvec2 inwards = glm::dvec2(-edge.y, edge.x) * (turn / std::max(glm::length(edge), 1e-300));
-        double deepest = -std::numeric_limits<double>::infinity();
-        for (const glm::dvec2 p : b) deepest = std::max(deepest, glm::dot(inwards, p - a[k]));
-        least = std::min(least, deepest);
-    }
-    return least;
-}
-
-bool doOverlap(const Triangle2& a, const Triangle2& b, double tolerance)
-{
-    return depthAlong(a, b) > tolerance && depthAlong(b, a) > tolerance;
+    const glm::dvec2 u = t[1] - t[0], v = t[2] - t[0];
+    return u.x * v.y - u.y * v.x;
 }
 
 std::string nameOf(const RayScene& rays, std::uint32_t side)
@@ -82,32 +66,6 @@ Stretch stretchOfFaces(const RayScene& rays, const std::vector<std::uint32_t>& s
 
 } // namespace
 
-std::optional<std::pair<std::size_t, std::size_t>> findOverlap(const std::vector<std::array<glm::dvec2, 3>>& triangles,
-                                                               double tolerance, const std::stop_token& stop)
-{
-    const int cells = std::clamp(static_cast<int>(std::sqrt(static_cast<double>(triangles.size()))), 1, 1024);
-    std::vector<std::vector<std::uint32_t>> grid(static_cast<std::size_t>(cells) * static_cast<std::size_t>(cells));
-    const auto cell = [&](glm::dvec2 p) {
-        return glm::clamp(glm::ivec2(glm::clamp(p, 0.0, 1.0) * double(cells)), 0, cells - 1);
-    };
-    for (std::uint32_t i = 0; i < triangles.size() && !stop.stop_requested(); ++i) {
-        const Triangle2& t = triangles[i];
-        if (twiceArea(t) == 0.0) continue;
-        const glm::ivec2 from = cell(glm::min(t[0], glm::min(t[1], t[2])));
-        const glm::ivec2 to = cell(glm::max(t[0], glm::max(t[1], t[2])));
-        for (int y = from.y; y <= to.y; ++y) {
-            for (int x = from.x; x <= to.x; ++x) {
-                auto& here = grid[static_cast<std::size_t>(y * cells + x)];
-                for (const std::uint32_t other : here) {
-                    if (doOverlap(t, triangles[other], tolerance)) return std::pair{std::size_t(other), std::size_t(i)};
-                }
-                here.push_back(i);
-            }
-        }
-    }
-    return {};
-}
-
 Result<std::shared_ptr<Atlas>> atlasFromSceneUv(const RayScene& rays, const std::vector<std::uint32_t>& sides, int size,
                                                 const std::stop_token& stop)
 {
@@ -139,7 +97,7 @@ Result<std::shared_ptr<Atlas>> atlasFromSceneUv(const RayScene& rays, const std:
         }
         atlas->sides.push_back(side), atlas->uv.push_back(uv), flat.push_back(corners);
     }
-    if (const auto pair = findOverlap(flat, kOverlap, stop)) {
+    if (const auto pair = findOverlap(flat, kOverlap, stop).pair) {
         return bad(fmt::format("the second UV set overlaps: {} lies on {}", nameOf(rays, atlas->sides[pair->second]),
                                nameOf(rays, atlas->sides[pair->first])));
     }

@@ -11,9 +11,4 @@ namespace lightloom {
 [[nodiscard]] Result<std::shared_ptr<Atlas>>
 atlasFromSceneUv(const RayScene& rays, const std::vector<std::uint32_t>& sides, int size, const std::stop_token& stop);
 
-/// Two triangles of the plane that overlap by more than `tolerance`, of those numbered; nothing if none do. About
-/// linear while triangles do not pile up; stops at the first pair.
-[[nodiscard]] std::optional<std::pair<std::size_t, std::size_t>>
-findOverlap(const std::vector<std::array<glm::dvec2, 3>>& triangles, double tolerance, const std::stop_token& stop);
-
 } // namespace lightloom
