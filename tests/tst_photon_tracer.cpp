@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Claims: eight photons under way together are the same photons, to the bit, as one after the other, on walls, metal
-// and glass and from every kind of lamp; directions drawn together are those drawn one by one.
+// Claims: photons under way together are the same photons, to the bit, as one after the other, on walls, metal and
+// glass and from every kind of lamp (to the last digit where meshes are instanced); directions drawn together are those
+// drawn one by one.
 #include "core/scene/sample_scenes.h"
 #include "core/trace/cosine_draws.h"
 #include "core/trace/photon_tracer.h"
@@ -25,11 +26,38 @@ std::vector<std::array<float, 12>> sorted(const PhotonPaths& paths)
     return all;
 }
 
-glm::dvec3 meanPlace(const PhotonPaths& paths)
+/// How far the numbers of two photons are apart: positions in parts of `length`, flux in parts of itself.
+double apart(const Photon& a, const Photon& b, double length)
 {
-    glm::dvec3 sum(0.0);
-    for (const Photon& photon : paths.photons) sum += glm::dvec3(photon.position);
-    return sum / static_cast<double>(std::max<std::size_t>(paths.photons.size(), 1));
+    const auto distance = [](glm::vec3 p, glm::vec3 q) { return glm::length(glm::dvec3(p) - glm::dvec3(q)); };
+    const double flux = distance(a.flux, b.flux) / std::max(double(glm::length(a.flux)), 1e-30);
+    return std::max({distance(a.position, b.position) / length, flux, distance(a.toLight, b.toLight),
+                     distance(a.normal, b.normal)});
+}
+
+/// Photons of `one` that have none in `other` within `limit` (apart), each of which may stand for one only.
+std::size_t strangers(const PhotonPaths& one, const PhotonPaths& other, double length, double limit)
+{
+    std::vector<const Photon*> byX;
+    for (const Photon& photon : other.photons) byX.push_back(&photon);
+    const auto xOf = [](const Photon* photon) { return double(photon->position.x); };
+    std::ranges::sort(byX, {}, xOf);
+    std::vector<char> isTaken(byX.size(), 0);
+    std::size_t count = 0;
+    for (const Photon& photon : one.photons) {
+        const double x = double(photon.position.x), margin = limit * length;
+        auto near = std::ranges::lower_bound(byX, x - margin, {}, xOf);
+        while (near != byX.end() && xOf(*near) <= x + margin) {
+            const auto at = static_cast<std::size_t>(near - byX.begin());
+            if (!isTaken[at] && apart(photon, **near, length) <= limit) {
+                isTaken[at] = 1;
+                break;
+            }
+            ++near;
+        }
+        count += near == byX.end() || xOf(*near) > x + margin;
+    }
+    return count;
 }
 
 } // namespace
@@ -56,14 +84,20 @@ private Q_SLOTS:
             job.oneByOne = true;
             const auto single = tracePhotons(*lit.rays, *lit.lights, job, workers, {});
             QCOMPARE(together->photons.size(), single->photons.size());
-            if (name != "atrium") QVERIFY(sorted(*together) == sorted(*single));
-            QVERIFY(glm::length(meanPlace(*together) - meanPlace(*single)) <= 1e-6);
+            if (name != "atrium") {
+                QVERIFY(sorted(*together) == sorted(*single));
+            } else { // packets and single rays differ in the last digit where meshes are instanced
+                const double length = double(scene->bounds.diagonal());
+                QCOMPARE(strangers(*together, *single, length, 1e-5), std::size_t(0));
+                const std::size_t others = strangers(*together, *single, length, 1e-7);
+                QVERIFY2(others <= single->photons.size() / 1000, qPrintable(QString::number(others)));
+            }
             QCOMPARE(together->rays, single->rays);
             QCOMPARE(together->caustic, single->caustic);
             QCOMPARE(together->cutOff, single->cutOff);
             const double lumen = glm::length(single->ledger.emitted);
-            QVERIFY(glm::length(together->ledger.absorbed - single->ledger.absorbed) <= 1e-7 * lumen);
-            QVERIFY(glm::length(together->ledger.escaped - single->ledger.escaped) <= 1e-7 * lumen);
+            QVERIFY(glm::length(together->ledger.absorbed - single->ledger.absorbed) <= 1e-12 * lumen);
+            QVERIFY(glm::length(together->ledger.escaped - single->ledger.escaped) <= 1e-12 * lumen);
             QVERIFY(glm::length(together->ledger.missing()) <= 1e-9 * lumen);
         }
     }
