@@ -92,15 +92,17 @@ private Q_SLOTS:
         QVERIFY(field);
         RunningMean mean;
         int far = 0;
+        double worst = 0.0;
         for (const FacePoint& p : facePoints(*scene, 4000, 1)) {
             const double lux = field->irradiance(p.position, p.normal).x;
             // 6 % noise; 24 % in a corner, where a plane through the photons is held up by a quarter of a disc
             far += std::abs(lux - 1.0) > 0.4;
-            QVERIFY2(std::abs(lux - 1.0) <= 0.8, qPrintable(QString::number(lux)));
+            worst = std::max(worst, std::abs(lux - 1.0));
             mean.add(lux);
         }
-        qInfo("furnace: mean %.4f, %d points far off", mean.mean(), far);
-        QVERIFY2(far <= 4, qPrintable(QString::number(far)));
+        qInfo("furnace: mean %.4f, %d points far off, the worst by %.2f", mean.mean(), far, worst);
+        QVERIFY2(far <= 2, qPrintable(QString::number(far)));
+        QVERIFY2(worst <= 0.5, qPrintable(QString::number(worst)));
         QVERIFY(std::abs(mean.mean() - 1.0) <= 0.02);
     }
 

@@ -179,21 +179,25 @@ private Q_SLOTS:
             return std::hypot(m.mean(), m.standardError() * std::sqrt(2000.0));
         };
         for (std::size_t j = 0; j < 3; ++j) {
+            // a patch's own extent counts for less in a larger kernel: its area by the length, its moment by the square
+            const double smaller = static_cast<double>(radii[0] / radii[j]);
             QVERIFY2(rms(error[j]) > 1e-5, "no facet was small");
-            QVERIFY2(std::abs(error[j].mean()) <= 2e-4, qPrintable(QString::number(error[j].mean())));
-            QVERIFY2(rms(error[j]) <= 4e-3, qPrintable(QString::number(rms(error[j]))));
-            QVERIFY2(std::abs(second[j].mean()) <= 3e-3, qPrintable(QString::number(second[j].mean())));
+            QVERIFY2(std::abs(error[j].mean()) <= 1e-4 * smaller, qPrintable(QString::number(error[j].mean())));
+            QVERIFY2(rms(error[j]) <= 2e-3 * smaller, qPrintable(QString::number(rms(error[j]))));
+            QVERIFY2(std::abs(second[j].mean()) <= 2.5e-3 * smaller * smaller,
+                     qPrintable(QString::number(second[j].mean())));
         }
-        QVERIFY2(worst <= 0.05, qPrintable(QString::number(worst)));
+        QVERIFY2(worst <= 0.03, qPrintable(QString::number(worst)));
     }
 
     void planeMeetsALinearDensity_data()
     {
         QTest::addColumn<double>("x");
         QTest::addColumn<double>("z");
-        QTest::newRow("middle") << 1.0 << 1.0;
-        QTest::newRow("edge") << 0.01 << 1.0;
-        QTest::newRow("corner") << 0.01 << 0.01;
+        QTest::addColumn<double>("share"); // of what a mean is off, that a plane may keep
+        QTest::newRow("middle") << 1.0 << 1.0 << 0.0;
+        QTest::newRow("edge") << 0.01 << 1.0 << 0.0;
+        QTest::newRow("corner") << 0.01 << 0.01 << 0.03;
     }
     void planeMeetsALinearDensity()
     {
@@ -203,9 +207,10 @@ private Q_SLOTS:
         const auto lux = [](double at, double) { return 100.0 + 200.0 * at; };
         const Mean mean = meanOver(floor, x, z, kernelOf(1000, GatherFit::mean), 500.0, lux);
         const Mean plane = meanOver(floor, x, z, kernelOf(1000, GatherFit::plane), 500.0, lux);
-        // (K-1)/K takes the radius as fixed; what is left of its dependence on the photons is well below .4 %. The
-        // plane counts as far as it stands out of the noise
-        const double slack = 0.004 * lux(x, z) + 0.12 * std::abs(mean.value - lux(x, z));
+        // (K-1)/K takes the radius as fixed; what is left of its dependence on the photons is well below .4 %. In a
+        // corner the plane counts as far as it stands out of the noise
+        QFETCH(double, share);
+        const double slack = 0.004 * lux(x, z) + share * std::abs(mean.value - lux(x, z));
         QVERIFY2(std::abs(plane.value - lux(x, z)) <= 4.5 * plane.error + slack,
                  qPrintable(QString("%1 of %2, error %3").arg(plane.value).arg(lux(x, z)).arg(plane.error)));
         const double scatter = plane.error * std::sqrt(150.0);
@@ -228,7 +233,7 @@ private Q_SLOTS:
         const Mean adaptive = meanOver(floor, 0.7, 1.0, kernelOf(1500, GatherFit::plane, true), 500.0, step);
         QVERIFY2(fixed.value > 150.0, qPrintable(QString::number(fixed.value)));
         QVERIFY2(std::abs(adaptive.value - 100.0) <= 20.0, qPrintable(QString::number(adaptive.value)));
-        QVERIFY2(adaptive.used < 600.0, qPrintable(QString::number(adaptive.used)));
+        QVERIFY2(adaptive.used < 550.0, qPrintable(QString::number(adaptive.used)));
     }
 
     void evenLightKeepsItsPhotons()
