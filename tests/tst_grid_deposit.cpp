@@ -86,7 +86,7 @@ private Q_SLOTS:
         QTest::addColumn<GridEstimator>("estimator");
         QTest::addColumn<GridRemap>("remap");
         for (const GridEstimator e : {GridEstimator::crossings, GridEstimator::tracks, GridEstimator::paper}) {
-            for (const GridRemap r : {GridRemap::harmonic, GridRemap::flux, GridRemap::paper}) {
+            for (const GridRemap r : {GridRemap::joined, GridRemap::harmonic, GridRemap::flux, GridRemap::paper}) {
                 QTest::addRow("%s %s", kGridEstimatorNames[std::size_t(e)].data(),
                               kGridRemapNames[std::size_t(r)].data())
                     << e << r;
@@ -139,7 +139,7 @@ private Q_SLOTS:
         QVERIFY(std::abs(closedForm(GridEstimator::paper, GridRemap::paper, diagonal) - 0.3849) <= 1e-4);
     }
 
-    void harmonicsOfKnownLight() // exact vectors in, so that only the fit is asked
+    void smoothLightIsExact() // exact vectors in, so that only the fit is asked
     {
         // radiance 1 + d . w: I_delta = pi delta (of the 1) + 2 pi / 3 d (half of the sphere's 4 pi / 3)
         const glm::dvec3 d(0.3, -0.2, 0.4);
@@ -149,15 +149,36 @@ private Q_SLOTS:
             i[int(side / 2)] += side % 2 == 0 ? -kPiD : kPiD;
             vectors[side] = glm::mat3(glm::vec3(i), 2.0f * glm::vec3(i), glm::vec3(0.0f));
         }
-        std::array<glm::vec3, 9> kept;
-        keepForRemap(GridRemap::harmonic, vectors, kept);
-        for (const glm::vec3 n : normals()) {
-            const double expected = kPiD + 2.0 * kPiD / 3.0 * glm::dot(d, glm::dvec3(n));
-            const glm::vec3 e = harmonicIrradiance(kept, n);
-            QVERIFY2(std::abs(double(e.x) / expected - 1.0) <= 2e-6,
-                     qPrintable(QString("%1, %2").arg(double(e.x)).arg(expected)));
-            QVERIFY(std::abs(double(e.y) / expected - 2.0) <= 4e-6 && e.z == 0.0f);
+        for (const GridRemap remap : {GridRemap::harmonic, GridRemap::joined}) {
+            std::array<glm::vec3, 12> kept;
+            keepForRemap(remap, vectors, kept);
+            for (const glm::vec3 n : normals()) {
+                const double expected = kPiD + 2.0 * kPiD / 3.0 * glm::dot(d, glm::dvec3(n));
+                const glm::vec3 e = remapIrradiance(remap, kept, n);
+                QVERIFY2(std::abs(double(e.x) / expected - 1.0) <= 2e-6,
+                         qPrintable(QString("%1, %2").arg(double(e.x)).arg(expected)));
+                QVERIFY(std::abs(double(e.y) / expected - 2.0) <= 4e-6 && e.z == 0.0f);
+            }
         }
+    }
+
+    void lightFromBehindDoesNotCountOnAxes() // where a bright wall lies behind its own points
+    {
+        IrradianceVectors vectors{};
+        for (std::size_t side = 0; side < 6; ++side) { // radiance 1 from below, nothing from above
+            const int axis = int(side / 2);
+            glm::vec3 i(0.0f);
+            i.y = side == 3 ? 0.0f : side == 2 ? -kPi : -0.5f * kPi;
+            if (axis != 1) i[axis] = side % 2 == 0 ? -0.5f * kPi : 0.5f * kPi;
+            vectors[side] = glm::mat3(i, i, i);
+        }
+        std::array<glm::vec3, 12> kept;
+        keepForRemap(GridRemap::joined, vectors, kept);
+        QCOMPARE(remapIrradiance(GridRemap::joined, kept, {0, 1, 0}).x, 0.0f);
+        QVERIFY(std::abs(remapIrradiance(GridRemap::joined, kept, {0, -1, 0}).x - kPi) <= 1e-5f);
+        const glm::vec3 tilted = glm::normalize(glm::vec3(0.3f, -1.0f, 0.5f)); // sees (1 + cos) / 2 of it
+        const double seen = 0.5 * kPiD * (1.0 - double(tilted.y));
+        QVERIFY(std::abs(double(remapIrradiance(GridRemap::joined, kept, tilted).x) / seen - 1.0) <= 0.05);
     }
 
     void distantLampIsExactInThePrintedRemap()

@@ -70,7 +70,9 @@ nlohmann::json report(const Lighting& lighting, const BakeInfo& info, std::optio
               {"entries", c.entries},
               {"gathers", c.gathers},
               {"clusterings", c.clusterings},
-              {"degenerate_entries", c.degenerateEntries}}},
+              {"degenerate_entries", c.degenerateEntries},
+              {"vertices", c.vertices},
+              {"deposits", c.deposits}}},
             {"energy_lm",
              {{"emitted", vec(c.ledger.emitted)},
               {"absorbed", vec(c.ledger.absorbed)},
@@ -85,6 +87,8 @@ void print(const Lighting& lighting, std::optional<double> noise, const std::str
     fmt::print("{}: {:.2f} s, {:.2f} CPU-s, {} photons shot, {} stored", methodName(lighting.method),
                lighting.bakeSeconds, allCpuSeconds(c.stages), c.photonsShot, c.photonsStored);
     if (lighting.method == Method::lightOctree) fmt::print(", {} leaves, {} entries", c.leaves, c.entries);
+    if (lighting.method == Method::irradianceGrid)
+        fmt::print(", {} vertices in the open, {} deposits", c.vertices, c.deposits);
     fmt::print("\n");
     for (const StageCost& s : c.stages) fmt::print("  {:<12} {:9.1f} ms {:9.1f} CPU-ms\n", s.stage, s.wallMs, s.cpuMs);
     const double emitted = glm::dot(c.ledger.emitted, glm::dvec3(1.0));

@@ -5,6 +5,7 @@
 #include "core/bake/packed_octree.h"
 #include "core/bake/solver_for.h"
 #include "core/base/memory_use.h"
+#include "core/ivg/irradiance_grid.h"
 #include "core/octree/light_octree.h"
 #include "core/photonmap/photon_map_solver.h"
 #include "core/photonmap/photon_products.h"
@@ -101,6 +102,7 @@ Result<Done> readBaked(const Context& context, const LightingRequest& request, L
     if (!file) return file.error();
     lighting.method = file->info.method;
     lighting.field = file->octree;
+    if (file->grid) lighting.field = file->grid;
     if (!request.method.empty() && request.method != methodName(lighting.method)) {
         return Error{Error::Kind::badInput, fmt::format("{} was made with {}, not {}", request.bakeFile,
                                                         methodName(lighting.method), request.method)};

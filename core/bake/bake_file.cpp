@@ -107,6 +107,8 @@ try {
     describe(info, file);
     if (const auto* octree = dynamic_cast<const LightOctree*>(&field)) {
         storeOctree(*octree, scene, file);
+    } else if (const auto* grid = dynamic_cast<const IrradianceGrid*>(&field)) {
+        storeGrid(*grid, scene, file);
     } else if (const auto* map = dynamic_cast<const PhotonMapField*>(&field)) {
         storePhotons(*map, scene, file);
     } else {
@@ -136,9 +138,13 @@ try {
     for (const LightGroup& group : scene.groups) {
         isOn.push_back(std::ranges::find(info->off, group.id) == info->off.end());
     }
-    BakeFile bake{*info, nullptr, {}, {}};
+    BakeFile bake{*info, nullptr, nullptr, {}, {}};
     if (info->method == Method::lightOctree) {
         bake.octree = readOctree(file, scene, isOn, info->params);
+        return bake;
+    }
+    if (info->method == Method::irradianceGrid) {
+        bake.grid = readGrid(file, scene, isOn, info->params);
         return bake;
     }
     for (std::size_t g = 0; g < isOn.size(); ++g) {

@@ -13,6 +13,7 @@
 
 namespace lightloom {
 
+class IrradianceGrid;
 class LightOctree;
 struct PhotonPaths;
 
@@ -31,6 +32,7 @@ struct BakeInfo {
 struct BakeFile {
     BakeInfo info;
     std::shared_ptr<const LightOctree> octree;               ///< method light-octree
+    std::shared_ptr<const IrradianceGrid> grid;              ///< method irradiance-grid
     std::vector<std::shared_ptr<const PhotonPaths>> photons; ///< method photon-map, by light group; null: was off
     std::vector<ChristensenCache::Values> caches;            ///< the same with photons.lookup=christensen, else empty
 };
@@ -41,6 +43,9 @@ struct BakeFile {
 ///   light-octree/d<depth>/<group>/noise/<entry>                        standard error of its luminance, lux
 ///   light-octree/d<depth>/<group>/{colour,direction}/<entry>/<slot>    the VDLs
 ///   light-octree/d<depth + i>/<group>/geometry/..., .../light/...      the same of the group's deeper leaves
+///   irradiance-grid/d0/geometry/{face_share,cell_share,sight_low,sight_high}   of vertices in the open, voxels around
+///   them irradiance-grid/d0/<group>/vectors/<direction>/<channel>           I_delta, lux; <direction> -x +x -y +y -z
+///   +z irradiance-grid/d0/<group>/variance/<direction>                    of the luminance of I_delta . delta, lux^2
 ///   photon-map/d0/<group>/{position,to_light,flux,normal}/0/0          photon i at (i % 128, i / 128 % 128, i / 16384)
 ///   photon-map/d0/<group>/{irradiance,noise}/0/0                       of Christensen's cache, point i likewise, lux
 /// "/" in group ids is written %2F. The same bake gives the same bytes; nothing in it depends on time or host.

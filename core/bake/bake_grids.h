@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "core/bake/vdb_file.h"
+#include "core/ivg/irradiance_grid.h"
 #include "core/octree/light_octree.h"
 #include "core/photonmap/photon_map_solver.h"
 
@@ -14,6 +15,10 @@ void storeOctree(const LightOctree& octree, const Scene& scene, VdbFile& file);
 /// `isOn` by light group; the mix is empty.
 [[nodiscard]] std::shared_ptr<const LightOctree> readOctree(const VdbFile& file, const Scene& scene,
                                                             const std::vector<bool>& isOn, const BakeParams& params);
+
+void storeGrid(const IrradianceGrid& grid, const Scene& scene, VdbFile& file);
+[[nodiscard]] std::shared_ptr<const IrradianceGrid> readGrid(const VdbFile& file, const Scene& scene,
+                                                             const std::vector<bool>& isOn, const BakeParams& params);
 
 void storePhotons(const PhotonMapField& field, const Scene& scene, VdbFile& file);
 /// Empty where the bake kept none.

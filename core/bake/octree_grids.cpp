@@ -48,7 +48,8 @@ class Writer {
 public:
     Writer(const OctreeGeometry& geometry, std::string prefix, const Scene& scene, VdbFile& file)
         : geometry_(geometry), prefix_(std::move(prefix)),
-          file_(file), lattice_{scene.toFile(geometry.lowest), double(geometry.cellSize())}, slots_(slotsOf(geometry))
+          file_(file), lattice_{scene.toFile(geometry.lowest), glm::dvec3(double(geometry.cellSize()))},
+          slots_(slotsOf(geometry))
     {
     }
 

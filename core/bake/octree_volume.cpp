@@ -68,7 +68,7 @@ void describe(const BakeInfo& info, VdbFile& file)
 void addLevel(const LightOctree& octree, std::size_t level, const Scene& scene, VdbFile& file)
 {
     const OctreeGeometry& geometry = geometryAt(octree, level);
-    const VdbFile::Lattice lattice{scene.toFile(geometry.lowest), double(geometry.cellSize())};
+    const VdbFile::Lattice lattice{scene.toFile(geometry.lowest), glm::dvec3(double(geometry.cellSize()))};
     const Leaves leaves = leavesOf(octree, level);
     const std::string suffix = level == 0 ? "" : fmt::format("_depth{}", geometry.depth);
     const auto add = [&](const std::string& name, const auto& values) {

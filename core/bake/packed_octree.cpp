@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/bake/packed_octree.h"
+#include "core/ivg/ivg_solver.h"
 #include "shaders/common.h"
 #include <cassert>
 #include <cmath>
@@ -83,6 +84,11 @@ std::shared_ptr<const IndirectField> PackedOctree::withMix(Mix mix) const
 Result<std::shared_ptr<const IndirectField>> shownField(std::shared_ptr<const IndirectField> field,
                                                         const BakeParams& params)
 {
+    if (const auto grid = std::dynamic_pointer_cast<const IrradianceGrid>(field)) {
+        const GridShow show = gridShow(params);
+        if (grid->show() == show) return field;
+        return std::static_pointer_cast<const IndirectField>(grid->withShow(show));
+    }
     auto octree = std::dynamic_pointer_cast<const LightOctree>(field);
     if (!octree) return field;
     if (octree->show() != params.octreeShow) octree = octree->showing(params.octreeShow);

@@ -31,7 +31,8 @@ private:
     GpuOctree packed_;
 };
 
-/// `field` as the parameters want it looked up (octree.show, octree.values). Fields of other methods as they are.
+/// `field` as the parameters want it looked up (octree.show, octree.values; grid.remap, grid.filter,
+/// grid.offset). Fields of other methods as they are.
 /// Errors: as makeGpuOctree.
 [[nodiscard]] Result<std::shared_ptr<const IndirectField>> shownField(std::shared_ptr<const IndirectField> field,
                                                                       const BakeParams& params);

@@ -26,8 +26,12 @@ openvdb::GridBase::Ptr makeGrid(const std::string& name, const VdbFile::Lattice&
     assert(cells.size() == values.size());
     const auto grid = Grid::create();
     grid->setName(name);
-    const auto transform = openvdb::math::Transform::createLinearTransform(lattice.cell);
-    const glm::dvec3 centre = lattice.corner + 0.5 * lattice.cell; // OpenVDB's voxels are centred
+    // cubes by one number: a file's map says so, and other programs treat it as such
+    const glm::dvec3 cell = lattice.cell;
+    const bool isCube = cell.x == cell.y && cell.y == cell.z;
+    const auto transform = openvdb::math::Transform::createLinearTransform(isCube ? cell.x : 1.0);
+    if (!isCube) transform->preScale({cell.x, cell.y, cell.z});
+    const glm::dvec3 centre = lattice.corner + 0.5 * cell; // OpenVDB's voxels are centred
     transform->postTranslate({centre.x, centre.y, centre.z});
     grid->setTransform(transform);
     auto access = grid->getAccessor();

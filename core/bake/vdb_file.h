@@ -30,10 +30,10 @@ public:
     [[nodiscard]] float number(const std::string& key) const;
     [[nodiscard]] glm::vec3 vector(const std::string& key) const;
 
-    /// Where voxels lie: voxel (i, j, k) covers corner + cell * [i, i+1] and so on, in the scene file's frame.
+    /// Where voxels lie: voxel (i, j, k) covers corner + cell * [i, i+1] and so on, in the scene file's frame, metres.
     struct Lattice {
         glm::dvec3 corner{0.0};
-        double cell = 1.0;
+        glm::dvec3 cell{1.0};
     };
     /// Adds a grid whose voxels `cells` hold `values`, one each.
     void add(const std::string& name, const Lattice& lattice, std::span<const glm::ivec3> cells,

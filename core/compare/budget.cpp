@@ -142,6 +142,10 @@ Result<BudgetPlan> planBudget(const BakeJob& job, Method method, const BudgetAsk
         return Error{Error::Kind::badInput,
                      fmt::format("{} bakes nothing that a budget could be for", methodName(method))};
     }
+    if (method == Method::irradianceGrid) {
+        return Error{Error::Kind::unsupported,
+                     "budgets for irradiance-grid cannot be planned yet; set photons and grid.size"};
+    }
     return Planner(job, method, asked, store, products, control).plan();
 }
 

@@ -18,6 +18,7 @@ struct WorkCounters {
     std::uint64_t raysTraced = 0, causticPhotons = 0, pathsCutOff = 0;
     std::uint64_t groupsBaked = 0, groupsOff = 0, groupsReused = 0;
     std::uint64_t leaves = 0, entries = 0, gathers = 0, clusterings = 0;
+    std::uint64_t vertices = 0, deposits = 0; ///< of a grid: in the open; faces crossed or cells passed by photons
     std::uint64_t degenerateEntries = 0; ///< gathers whose kernel had no area; their photons were spread over a floor
     Ledger ledger;
     std::vector<StageCost> stages; ///< in order of their first end; kept ones where they were found

@@ -2,6 +2,7 @@
 #include "core/ivg/grid_openness.h"
 #include <algorithm>
 #include <cmath>
+#include <glm/gtc/quaternion.hpp>
 #include <limits>
 
 namespace lightloom {
@@ -12,10 +13,12 @@ constexpr int kRows = 4;   ///< of a face, on each side of its vertex
 constexpr int kLevels = 2; ///< of a cell, on each side
 constexpr std::size_t kBlock = 256;
 
-/// How near surface is to a vertex: within a cell along some axis, within half a cell.
+constexpr float kFarthest = 255.0f / GridOpenness::kSightUnits; ///< cells along the axes that sight is kept for
+
+/// How near surface is to a vertex: within kFarthest along some axis, within half a cell.
 enum Nearness : std::uint8_t { kFar, kSeen, kNear };
 
-/// By vertex: whether a triangle meets the box around it, half a cell or a whole cell to each side.
+/// By vertex: whether a triangle meets the box around it, half a cell or kFarthest to each side.
 class NearVertices {
 public:
     explicit NearVertices(const GridLattice& lattice) : lattice_(lattice), found_(lattice.vertexCount(), kFar) {}
@@ -27,14 +30,14 @@ public:
         // the plane in grid coordinates, where cells are cubes
         const glm::vec3 normal = glm::cross(b - a, c - a);
         const float reach = std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z);
-        const glm::ivec3 first = glm::max(glm::ivec3(glm::ceil(low - 1.0f)), glm::ivec3(0));
-        const glm::ivec3 last = glm::min(glm::ivec3(glm::floor(high + 1.0f)), lattice_.cells);
+        const glm::ivec3 first = glm::max(glm::ivec3(glm::ceil(low - kFarthest)), glm::ivec3(0));
+        const glm::ivec3 last = glm::min(glm::ivec3(glm::floor(high + kFarthest)), lattice_.cells);
         for (int z = first.z; z <= last.z; ++z) {
             for (int y = first.y; y <= last.y; ++y) {
                 for (int x = first.x; x <= last.x; ++x) {
                     const glm::vec3 v(x, y, z);
                     const float off = std::abs(glm::dot(normal, v - a));
-                    if (off > reach * 1.001f) continue;
+                    if (off > reach * kFarthest * 1.001f) continue;
                     const glm::vec3 gap = glm::max(low - v, v - high);
                     const bool isNear = off <= 0.501f * reach && std::max({gap.x, gap.y, gap.z}) <= 0.501f;
                     std::uint8_t& mark = found_[lattice_.index({x, y, z})];
@@ -87,9 +90,9 @@ public:
         Spans free;
         for (int axis = 0; axis < 3; ++axis) {
             for (const bool isHigh : {false, true}) {
-                const float seen = sightFrom(p, axis, isHigh, 1.0f);
+                const float seen = sightFrom(p, axis, isHigh, kFarthest);
                 const std::size_t way = static_cast<std::size_t>(2 * axis + (isHigh ? 1 : 0));
-                result_.sight[index][way] = static_cast<std::uint8_t>(seen * 255.0f);
+                result_.sight[index][way] = static_cast<std::uint8_t>(seen * GridOpenness::kSightUnits);
                 free[way] = std::min(seen, halfOf(vertex, axis, isHigh));
             }
         }
@@ -109,6 +112,17 @@ private:
     struct Open {
         float share = 0.0f;
         std::uint64_t parts = 0;
+
+        /// Of a face, what lies in [u0, u1] x [v0, v1], cells from the vertex.
+        void addParts(float u0, float u1, float v0, float v1)
+        {
+            if (u0 >= u1 || v0 >= v1) return;
+            const Touched us(0.5f + u0, 0.5f + u1, GridOpenness::kParts),
+                vs(0.5f + v0, 0.5f + v1, GridOpenness::kParts);
+            for (int j = vs.first; j <= vs.last; ++j) {
+                for (int i = us.first; i <= us.last; ++i) parts |= std::uint64_t{1} << (i + GridOpenness::kParts * j);
+            }
+        }
     };
 
     [[nodiscard]] bool isBehindWall(glm::vec3 p) const
@@ -119,17 +133,16 @@ private:
             if (!rays_.intersect(p, way, std::numeric_limits<float>::infinity(), hit)) return;
             ++(isReached_[2 * hit.triangle + (hit.isFront ? 0 : 1)] ? reached : unreached);
         };
+        // of a cube to its sides and corners, turned: along axes rays would run into edges of what stands square
+        const glm::mat3 turned = glm::mat3_cast(glm::normalize(glm::quat(1.0f, 0.31f, 0.17f, 0.43f)));
         for (int axis = 0; axis < 3; ++axis) {
-            for (const float sign : {-1.0f, 1.0f}) {
-                glm::vec3 way(0.0f);
-                way[axis] = sign;
-                ask(way);
-            }
+            ask(turned[axis]);
+            ask(-turned[axis]);
         }
         const float part = 1.0f / std::sqrt(3.0f);
         for (int corner = 0; corner < 8; ++corner)
-            ask({corner & 1 ? part : -part, corner & 2 ? part : -part, corner & 4 ? part : -part});
-        return unreached >= kVotes || (unreached > 0 && reached == 0);
+            ask(turned * glm::vec3(corner & 1 ? part : -part, corner & 2 ? part : -part, corner & 4 ? part : -part));
+        return unreached >= kVotes || unreached >= reached;
     }
 
     /// Half a cell, or nothing beyond the grid's border.
@@ -171,24 +184,31 @@ private:
         }
     }
 
+    /// Rows along v from the vertex, each as far as it goes along u; where a wall ends them early, also what columns
+    /// along u reach beyond: behind a slanted wall there is more. Exact for one straight wall but for the width of
+    /// rows.
     [[nodiscard]] Open openFace(glm::vec3 p, glm::ivec3 vertex, int axis, const Spans& free) const
     {
         const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-        const float before = halfOf(vertex, u, false), behind = halfOf(vertex, u, true);
+        const auto half = [&](int along, bool isHigh) { return halfOf(vertex, along, isHigh); };
+        const auto freeOf = [&](int along, bool isHigh) {
+            return free[static_cast<std::size_t>(2 * along + (isHigh ? 1 : 0))];
+        };
         Open open;
-        rows(p, v, free[static_cast<std::size_t>(2 * v)], free[static_cast<std::size_t>(2 * v + 1)], kRows,
-             [&](glm::vec3 q, float height, float begin, float end) {
-                 const float low = sightFrom(q, u, false, before), high = sightFrom(q, u, true, behind);
-                 open.share += height * (low + high);
-                 if (low + high <= 0.0f) return;
-                 const Touched us(0.5f - low, 0.5f + high, GridOpenness::kParts);
-                 const Touched vs(0.5f + begin, 0.5f + end, GridOpenness::kParts);
-                 for (int j = vs.first; j <= vs.last; ++j) {
-                     for (int i = us.first; i <= us.last; ++i)
-                         open.parts |= std::uint64_t{1} << (i + GridOpenness::kParts * j);
-                 }
-             });
-        open.share /= (before + behind) * (halfOf(vertex, v, false) + halfOf(vertex, v, true));
+        rows(p, v, freeOf(v, false), freeOf(v, true), kRows, [&](glm::vec3 q, float height, float begin, float end) {
+            const float low = sightFrom(q, u, false, half(u, false)), high = sightFrom(q, u, true, half(u, true));
+            open.share += height * (low + high);
+            open.addParts(-low, high, begin, end);
+        });
+        const bool isCut = freeOf(v, false) < half(v, false) || freeOf(v, true) < half(v, true);
+        if (isCut) {
+            rows(p, u, freeOf(u, false), freeOf(u, true), kRows, [&](glm::vec3 q, float width, float begin, float end) {
+                const float low = sightFrom(q, v, false, half(v, false)), high = sightFrom(q, v, true, half(v, true));
+                open.share += width * (std::max(low - freeOf(v, false), 0.0f) + std::max(high - freeOf(v, true), 0.0f));
+                open.addParts(begin, end, -low, high);
+            });
+        }
+        open.share /= (half(u, false) + half(u, true)) * (half(v, false) + half(v, true));
         return open;
     }
 

@@ -16,6 +16,7 @@ namespace lightloom {
 /// other; a cell's likewise along all three. Photons elsewhere in it belong to another room, or pass behind a column.
 struct GridOpenness {
     static constexpr int kParts = 8; ///< of a face along each axis, in `faceParts`
+    static constexpr float kSightUnits = 255.0f / 2.0f;
 
     std::vector<std::uint8_t> isOpen; ///< by vertex: 0 behind a wall, 1 in the open
     std::vector<glm::vec3> faceShare; ///< by vertex and axis: open share of the face, 0 to 1
@@ -23,7 +24,7 @@ struct GridOpenness {
     /// By vertex and axis: bit u + 8 v is set where that 64th of a full face is open at least in part.
     std::vector<std::array<std::uint64_t, 3>> faceParts;
     std::vector<std::uint64_t> cellParts; ///< by vertex: bit x + 4 y + 16 z, of 4^3 parts of a full cell
-    /// By vertex, along -x +x -y +y -z +z: how far the next surface is, 255 for a whole cell or more.
+    /// By vertex, along -x +x -y +y -z +z: how far the next surface is, in kSightUnits per cell; 255: that far or more.
     std::vector<std::array<std::uint8_t, 6>> sight;
     std::size_t nearVertices = 0; ///< that have surface within half a cell: rays were needed for their faces
 
@@ -32,8 +33,9 @@ struct GridOpenness {
     [[nodiscard]] std::size_t memoryBytes() const;
 };
 
-/// A vertex lies behind a wall if 4 of 14 rays from it, or the only ones that meet anything, meet sides of surface that
-/// light cannot reach. Rays for faces and cells are spent only where surface is near. Null: stopped.
+/// A vertex lies behind a wall if 4 of 14 rays from it meet sides of surface that light cannot reach, or as many as
+/// meet sides that it can (beyond an edge of a closed room most rays meet nothing at all). Rays for faces and cells are
+/// spent only where surface is near. Null: stopped.
 [[nodiscard]] std::shared_ptr<const GridOpenness> findOpenness(const RayScene& rays, const LightReach& reach,
                                                                const GridLattice& lattice, Workers& workers,
                                                                const std::stop_token& stop);

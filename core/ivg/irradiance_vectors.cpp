@@ -101,45 +101,81 @@ glm::vec3 componentOf(const IrradianceVectors& vectors, std::size_t direction, i
     return {v[0][component], v[1][component], v[2][component]};
 }
 
+glm::vec3 alongAxis(const IrradianceVectors& vectors, std::size_t direction)
+{
+    return componentOf(vectors, direction, static_cast<int>(direction / 2)) * (direction % 2 == 0 ? -1.0f : 1.0f);
+}
+
+glm::vec3 fitted(std::size_t term, const IrradianceVectors& vectors)
+{
+    static const Fit fit = makeFit();
+    glm::vec3 sum(0.0f);
+    for (std::size_t k = 0; k < kNumbers; ++k)
+        sum += fit[term][k] * componentOf(vectors, k / 3, static_cast<int>(k % 3));
+    return sum;
+}
+
+/// On the axes flux is exact, and what lies behind the surface does not count there; harmonics know how light goes on
+/// between them. Of H(n) - sum of n_a^2 H(+-a), which is 0 on the axes, all but these terms cancel.
+glm::vec3 betweenAxes(std::span<const glm::vec3> terms, const glm::vec3& n)
+{
+    const glm::vec3 linear = n * (1.0f - glm::abs(n));
+    return terms[0] * linear.x + terms[1] * linear.y + terms[2] * linear.z + terms[3] * (n.x * n.y) +
+           terms[4] * (n.y * n.z) + terms[5] * (n.z * n.x);
+}
+
 } // namespace
+
+std::span<const RemapPart> remapParts(GridRemap remap)
+{
+    static constexpr std::array<RemapPart, 4> kJoined{{{0, 2, 0}, {2, 2, 1}, {4, 2, 2}, {6, 6, -1}}};
+    static constexpr std::array<RemapPart, 1> kHarmonic{{{0, 9, -1}}};
+    static constexpr std::array<RemapPart, 3> kPaper{{{0, 6, 0}, {6, 6, 1}, {12, 6, 2}}};
+    switch (remap) {
+    case GridRemap::joined:
+        return kJoined;
+    case GridRemap::harmonic:
+        return kHarmonic;
+    case GridRemap::flux:
+        return std::span(kJoined).first(3);
+    case GridRemap::paper:
+        break;
+    }
+    return kPaper;
+}
 
 void keepForRemap(GridRemap remap, const IrradianceVectors& vectors, std::span<glm::vec3> kept)
 {
     if (remap == GridRemap::paper) {
         for (std::size_t k = 0; k < kNumbers; ++k) kept[k] = componentOf(vectors, k / 3, static_cast<int>(k % 3));
-    } else if (remap == GridRemap::flux) {
-        for (std::size_t d = 0; d < 6; ++d)
-            kept[d] = componentOf(vectors, d, static_cast<int>(d / 2)) * (d % 2 == 0 ? -1.0f : 1.0f);
-    } else {
-        static const Fit fit = makeFit();
-        for (std::size_t t = 0; t < kTerms; ++t) {
-            glm::vec3 sum(0.0f);
-            for (std::size_t k = 0; k < kNumbers; ++k)
-                sum += fit[t][k] * componentOf(vectors, k / 3, static_cast<int>(k % 3));
-            kept[t] = sum;
-        }
+        return;
     }
+    if (remap == GridRemap::harmonic) {
+        for (std::size_t t = 0; t < kTerms; ++t) kept[t] = fitted(t, vectors);
+        return;
+    }
+    for (std::size_t d = 0; d < 6; ++d) kept[d] = alongAxis(vectors, d);
+    if (remap == GridRemap::flux) return;
+    for (std::size_t t = 0; t < 6; ++t) kept[6 + t] = fitted(1 + t, vectors);
 }
 
-glm::vec3 harmonicIrradiance(std::span<const glm::vec3> kept, const glm::vec3& n)
+glm::vec3 partIrradiance(GridRemap remap, const RemapPart& part, std::span<const glm::vec3> kept, const glm::vec3& n)
 {
-    return kept[0] + kept[1] * n.x + kept[2] * n.y + kept[3] * n.z + kept[4] * (n.x * n.y) + kept[5] * (n.y * n.z) +
-           kept[6] * (n.z * n.x) + kept[7] * (n.x * n.x - n.y * n.y) + kept[8] * (3.0f * n.z * n.z - 1.0f);
-}
-
-glm::vec3 axisIrradiance(GridRemap remap, int axis, std::span<const glm::vec3> kept, const glm::vec3& n)
-{
-    const std::size_t side = sideOf(axis, n);
-    const float square = n[axis] * n[axis];
-    if (remap == GridRemap::flux) return square * kept[side];
+    if (part.axis < 0) {
+        if (remap == GridRemap::joined) return betweenAxes(kept.subspan(part.first, part.count), n);
+        return kept[0] + kept[1] * n.x + kept[2] * n.y + kept[3] * n.z + kept[4] * (n.x * n.y) + kept[5] * (n.y * n.z) +
+               kept[6] * (n.z * n.x) + kept[7] * (n.x * n.x - n.y * n.y) + kept[8] * (3.0f * n.z * n.z - 1.0f);
+    }
+    const std::size_t side = sideOf(part.axis, n);
+    const float square = n[part.axis] * n[part.axis];
+    if (remap != GridRemap::paper) return square * kept[side];
     return square * (kept[3 * side] * n.x + kept[3 * side + 1] * n.y + kept[3 * side + 2] * n.z);
 }
 
 glm::vec3 remapIrradiance(GridRemap remap, std::span<const glm::vec3> kept, const glm::vec3& n)
 {
-    if (remap == GridRemap::harmonic) return harmonicIrradiance(kept, n);
     glm::vec3 sum(0.0f);
-    for (int axis = 0; axis < 3; ++axis) sum += axisIrradiance(remap, axis, kept, n);
+    for (const RemapPart& part : remapParts(remap)) sum += partIrradiance(remap, part, kept, n);
     return sum;
 }
 

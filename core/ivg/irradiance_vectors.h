@@ -20,21 +20,32 @@ using IrradianceVectors = std::array<glm::mat3, 6>;
 /// Numbers kept per vertex and channel for a remap.
 [[nodiscard]] constexpr std::size_t remapSize(GridRemap remap)
 {
-    return remap == GridRemap::harmonic ? 9 : remap == GridRemap::flux ? 6 : 18;
+    constexpr std::array<std::size_t, 4> kSizes{12, 9, 6, 18};
+    return kSizes[static_cast<std::size_t>(remap)];
 }
 
+/// The numbers kept of a remap fall into parts that may be known or not each on its own, where walls stand in the way:
+/// one per axis, and one that needs all three.
+struct RemapPart {
+    std::size_t first, count; ///< of the numbers kept
+    int axis;                 ///< 0 to 2; -1: all
+};
+[[nodiscard]] std::span<const RemapPart> remapParts(GridRemap remap);
+
 /// What a remap keeps of six vectors: remapSize vec3, RGB each. All of them are linear in the vectors, so that weighted
-/// sums may be taken before or after. harmonic: coefficients of 1, x, y, z, xy, yz, zx, x2 - y2, 3 z2 - 1 of the
-/// irradiance as a function of the normal. flux: I_delta . delta. paper: the vectors, direction by direction, x y z.
+/// sums may be taken before or after.
+///   joined    I_delta . delta per direction; then of the harmonics x, y, z, xy, yz, zx
+///   harmonic  of the irradiance as a function of the normal: 1, x, y, z, xy, yz, zx, x2 - y2, 3 z2 - 1
+///   flux      I_delta . delta per direction
+///   paper     the vectors, direction by direction, x y z
 void keepForRemap(GridRemap remap, const IrradianceVectors& vectors, std::span<glm::vec3> kept);
 
-/// Irradiance (lux per channel, may be below 0 for harmonics) on a surface that faces `n` (unit), from second-order
-/// harmonics that `keepForRemap` made.
-[[nodiscard]] glm::vec3 harmonicIrradiance(std::span<const glm::vec3> kept, const glm::vec3& n);
-/// The part of one axis in the other two remaps: n_a^2 (I . delta) or, as printed, n_a^2 (I . n). They add up over
-/// axes.
-[[nodiscard]] glm::vec3 axisIrradiance(GridRemap remap, int axis, std::span<const glm::vec3> kept, const glm::vec3& n);
-/// All of it, by any remap.
+/// What a part adds to the irradiance (lux per channel) of a surface that faces `n` (unit); `kept` is all of a vertex.
+/// One of an axis stands for n_axis^2 of the whole; one of all axes for everything in `harmonic`, and for a correction
+/// that is 0 on the axes in `joined`. Harmonics may give values below 0.
+[[nodiscard]] glm::vec3 partIrradiance(GridRemap remap, const RemapPart& part, std::span<const glm::vec3> kept,
+                                       const glm::vec3& n);
+/// The sum of all parts.
 [[nodiscard]] glm::vec3 remapIrradiance(GridRemap remap, std::span<const glm::vec3> kept, const glm::vec3& n);
 
 } // namespace lightloom

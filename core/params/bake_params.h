@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include "core/params/grid_choices.h"
 #include <array>
 #include <cstdint>
 #include <span>
@@ -8,7 +9,7 @@
 
 namespace lightloom {
 
-enum class Method { lightOctree, photonMap, direct, reference };
+enum class Method { lightOctree, irradianceGrid, photonMap, direct, reference };
 
 /// Kernel of the octree's photon gather.
 enum class GatherKernel { sphere, ellipsoid };
@@ -46,6 +47,14 @@ struct BakeParams {
     int octreeFirstDepth = 4;
     int octreeDetail = 2;
     float gridShift = 0.0f;
+    int gridSize = 32;
+    int gridSizeX = 0;
+    int gridSizeY = 0;
+    int gridSizeZ = 0;
+    GridEstimator gridEstimator = GridEstimator::crossings;
+    GridRemap gridRemap = GridRemap::joined;
+    GridFilter gridFilter = GridFilter::trilinear;
+    float gridOffset = 0.5f;
     int vdlCount = 4;
     float vdlTolerance = 0.0f;
     VdlForm vdlForm = VdlForm::corrected;
@@ -66,10 +75,12 @@ enum class Stage { shoot, build, fit, show };
 /// Bits of `ParamSpec::methods`.
 enum MethodBit : unsigned {
     kForOctree = 1u << static_cast<unsigned>(Method::lightOctree),
+    kForGrid = 1u << static_cast<unsigned>(Method::irradianceGrid),
     kForPhotonMap = 1u << static_cast<unsigned>(Method::photonMap),
     kForDirect = 1u << static_cast<unsigned>(Method::direct),
     kForReference = 1u << static_cast<unsigned>(Method::reference),
-    kForPhotons = kForOctree | kForPhotonMap,
+    kForGathers = kForOctree | kForPhotonMap,
+    kForPhotons = kForGathers | kForGrid,
     kForAll = kForPhotons | kForDirect | kForReference
 };
 
@@ -78,7 +89,8 @@ struct ParamSpec {
     using Field =
         std::variant<int BakeParams::*, float BakeParams::*, std::uint64_t BakeParams::*, GatherKernel BakeParams::*,
                      GatherArea BakeParams::*, GatherFit BakeParams::*, Switch BakeParams::*, VdlForm BakeParams::*,
-                     OctreeShow BakeParams::*, OctreeValues BakeParams::*, PhotonLookup BakeParams::*>;
+                     OctreeShow BakeParams::*, OctreeValues BakeParams::*, PhotonLookup BakeParams::*,
+                     GridEstimator BakeParams::*, GridRemap BakeParams::*, GridFilter BakeParams::*>;
     std::string_view key;   ///< for ever: files hold it
     std::string_view label; ///< in the window
     std::string_view unit;  ///< "" for a pure number
@@ -115,21 +127,37 @@ inline constexpr std::array kParams{
               "The coarsest octree, shown while finer ones are made. Does not change the final result."},
     ParamSpec{"octree.detail", "Deeper leaves", "levels", 0, 3, 1, kForOctree, Stage::fit, &BakeParams::octreeDetail, {},
               "Most levels that leaves split below the octree depth where photons show light that they blur, such as caustics."},
-    ParamSpec{"grid.shift", "Lattice shift", "cells", 0, 0.999, 0.25, kForOctree, Stage::build, &BakeParams::gridShift, {},
+    ParamSpec{"grid.shift", "Lattice shift", "cells", 0, 0.999, 0.25, kForOctree | kForGrid, Stage::build, &BakeParams::gridShift, {},
               "Moves the lattice by part of a cell along all axes; accuracy is stated as the worst of 0 .25 .5 .75."},
-    ParamSpec{"gather.count", "Photons gathered (K)", "", 1, 100'000, 50, kForPhotons, Stage::fit, &BakeParams::gatherCount, {},
+    ParamSpec{"grid.size", "Grid size (N)", "cells", 2, 512, 8, kForGrid, Stage::build, &BakeParams::gridSize, {},
+              "Cells along the longest side; cells are cubes. Finer grids show smaller shadows; noise and memory grow with the cube."},
+    ParamSpec{"grid.size.x", "Cells along x", "cells", 0, 512, 1, kForGrid, Stage::build, &BakeParams::gridSizeX, {},
+              "Above 0: as many along x, so that cells need not be cubes. 0: by the grid's size."},
+    ParamSpec{"grid.size.y", "Cells along y", "cells", 0, 512, 1, kForGrid, Stage::build, &BakeParams::gridSizeY, {},
+              "Above 0: as many along y, so that cells need not be cubes. 0: by the grid's size."},
+    ParamSpec{"grid.size.z", "Cells along z", "cells", 0, 512, 1, kForGrid, Stage::build, &BakeParams::gridSizeZ, {},
+              "Above 0: as many along z, so that cells need not be cubes. 0: by the grid's size."},
+    ParamSpec{"grid.estimator", "Grid estimator", "", 0, 2, 1, kForGrid, Stage::fit, &BakeParams::gridEstimator, kGridEstimatorNames,
+              "crossings: photons through cell faces, by area and cosine. tracks: ways through cells. paper: as printed, a third too dark; for comparison."},
+    ParamSpec{"grid.remap", "Grid remap", "", 0, 3, 1, kForGrid, Stage::show, &BakeParams::gridRemap, kGridRemapNames,
+              "How light falls on tilted surfaces. joined: six axes, harmonics between. harmonic: these alone. flux: axes alone. paper: as printed, too dark."},
+    ParamSpec{"grid.filter", "Grid filter", "", 0, 2, 1, kForGrid, Stage::show, &BakeParams::gridFilter, kGridFilterNames,
+              "Between vertices. trilinear: fast, keeps walls apart. b-spline: smoothest. catmull-rom: smooth and sharper, may ring."},
+    ParamSpec{"grid.offset", "Lookup offset", "cells", 0, 2, 0.1, kForGrid, Stage::show, &BakeParams::gridOffset, {},
+              "How far along its normal a surface looks into the grid: more avoids vertices near walls, less keeps contact shadows."},
+    ParamSpec{"gather.count", "Photons gathered (K)", "", 1, 100'000, 50, kForGathers, Stage::fit, &BakeParams::gatherCount, {},
               "More photons: less noise, more blur, longer gather."},
-    ParamSpec{"gather.radius", "Largest gather radius", "leaf widths", 0, 64, 0.5, kForPhotons, Stage::fit, &BakeParams::gatherRadius, {},
+    ParamSpec{"gather.radius", "Largest gather radius", "leaf widths", 0, 64, 0.5, kForGathers, Stage::fit, &BakeParams::gatherRadius, {},
               "Cap on the gather kernel. 0: automatic, three times the radius that K photons fill where they lie evenly."},
     ParamSpec{"gather.kernel", "Gather kernel", "", 0, 1, 1, kForOctree, Stage::fit, &BakeParams::gatherKernel, kKernelNames,
               "Region photons are taken from: a sphere, or the paper's ellipsoid flattened along the leaf's normal."},
-    ParamSpec{"gather.area", "Area divided by", "", 0, 1, 1, kForPhotons, Stage::fit, &BakeParams::gatherArea, kAreaNames,
+    ParamSpec{"gather.area", "Area divided by", "", 0, 1, 1, kForGathers, Stage::fit, &BakeParams::gatherArea, kAreaNames,
               "surface: what really lies under the kernel. disc: pi r^2 as printed in 2007, half too dark at edges; for comparison."},
-    ParamSpec{"gather.fit", "Fit to the photons", "", 0, 1, 1, kForPhotons, Stage::fit, &BakeParams::gatherFit, kFitNames,
+    ParamSpec{"gather.fit", "Fit to the photons", "", 0, 1, 1, kForGathers, Stage::fit, &BakeParams::gatherFit, kFitNames,
               "plane: follows light that rises across the kernel, also at edges. mean: one value, as printed."},
-    ParamSpec{"gather.adapt", "Adapt K", "", 0, 1, 1, kForPhotons, Stage::fit, &BakeParams::gatherAdapt, kSwitchNames,
+    ParamSpec{"gather.adapt", "Adapt K", "", 0, 1, 1, kForGathers, Stage::fit, &BakeParams::gatherAdapt, kSwitchNames,
               "on: fewer photons than K where light changes within the kernel by more than its noise. off: K everywhere."},
-    ParamSpec{"gather.filter", "Filter by normal", "", 0, 1, 1, kForPhotons, Stage::fit, &BakeParams::gatherFilter, kSwitchNames,
+    ParamSpec{"gather.filter", "Filter by normal", "", 0, 1, 1, kForGathers, Stage::fit, &BakeParams::gatherFilter, kSwitchNames,
               "on: only photons on surfaces within 60 degrees of the point's. off: all, which bleeds round corners."},
     ParamSpec{"gather.screens", "Stop at walls", "", 0, 1, 1, kForOctree, Stage::build, &BakeParams::gatherScreens, kSwitchNames,
               "on: leaves take no photons from behind a wall that stands on their surface. off: light leaks along floors, walls and ceilings."},

@@ -36,7 +36,8 @@ namespace lightloom {
 [[nodiscard]] Result<BakeParams> preset(std::string_view name);
 inline constexpr std::array<std::string_view, 3> kPresetNames{"draft", "preview", "final"};
 
-inline constexpr std::array<std::string_view, 4> kMethodNames{"light-octree", "photon-map", "direct", "reference"};
+inline constexpr std::array<std::string_view, 5> kMethodNames{"light-octree", "irradiance-grid", "photon-map", "direct",
+                                                              "reference"};
 [[nodiscard]] Result<Method> methodNamed(std::string_view name);
 [[nodiscard]] inline std::string_view methodName(Method method)
 {

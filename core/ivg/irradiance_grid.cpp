@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/ivg/irradiance_grid.h"
+#include "core/base/units.h"
+#include <algorithm>
+#include <cmath>
+
+namespace lightloom {
+namespace {
+
+constexpr float kLeastOpen = 0.15f;   ///< share of a face or cell; what is left of less is mostly rounding
+constexpr int kSpreads = 2;           ///< vertices deep that values are carried into walls for Catmull-Rom
+constexpr float kLeastKnown = 0.005f; ///< of trilinear weights: less comes from round a corner
+constexpr float kLeastCubic = 0.5f;   ///< of Catmull-Rom's weights that must find a value
+
+} // namespace
+
+IrradianceGrid::IrradianceGrid(std::shared_ptr<const GridGeometry> geometry,
+                               std::vector<std::shared_ptr<const GridLayer>> layers, GridEstimator estimator, Mix mix,
+                               GridShow show)
+    : geometry_(std::move(geometry)), layers_(std::move(layers)), estimator_(estimator), mix_(std::move(mix)),
+      show_(show), parts_(remapParts(show.remap))
+{
+    weigh();
+    mixLayers();
+    if (show_.filter == GridFilter::catmullRom) spread();
+}
+
+void IrradianceGrid::weigh()
+{
+    const GridOpenness& openness = geometry_->openness;
+    const auto enough = [](float share) { return share >= kLeastOpen ? share : 0.0f; };
+    const std::size_t count = geometry_->lattice.vertexCount();
+    trust_.resize(count * parts());
+    for (std::size_t i = 0; i < count; ++i) {
+        glm::vec3 share =
+            estimator_ == GridEstimator::tracks ? glm::vec3(openness.cellShare[i]) : openness.faceShare[i];
+        if (openness.isOpen[i] == 0) share = glm::vec3(0.0f);
+        for (std::size_t k = 0; k < parts(); ++k) {
+            const int axis = parts_[k].axis;
+            trust_[i * parts() + k] = enough(axis < 0 ? glm::min(share.x, glm::min(share.y, share.z)) : share[axis]);
+        }
+    }
+}
+
+void IrradianceGrid::mixLayers()
+{
+    const std::size_t count = geometry_->lattice.vertexCount(), size = remapSize(show_.remap);
+    kept_.resize(count * size);
+    variance_.assign(count, {});
+    for (std::size_t i = 0; i < count; ++i) {
+        IrradianceVectors mixed{};
+        for (std::size_t g = 0; g < layers_.size(); ++g) {
+            const glm::vec3 gain = gainOf(mix_, static_cast<int>(g));
+            if (!layers_[g] || gain == glm::vec3(0.0f)) continue;
+            for (std::size_t d = 0; d < 6; ++d) {
+                const glm::mat3& one = layers_[g]->vectors[i][d];
+                for (int channel = 0; channel < 3; ++channel) mixed[d][channel] += gain[channel] * one[channel];
+                const float light = luminance(gain); // as good as a tint lets it be
+                variance_[i][d] += light * light * layers_[g]->variance[i][d];
+            }
+        }
+        keepForRemap(show_.remap, mixed, {kept_.data() + i * size, size});
+    }
+}
+
+/// Gives vertices behind walls, where nothing is known, the mean of what is known around them.
+void IrradianceGrid::spread()
+{
+    const GridLattice& lattice = geometry_->lattice;
+    const std::size_t size = remapSize(show_.remap);
+    for (int round = 0; round < kSpreads; ++round) {
+        const std::vector<float> known = trust_;
+        const std::vector<glm::vec3> before = kept_;
+        for (std::size_t i = 0; i < lattice.vertexCount(); ++i) {
+            for (std::size_t part = 0; part < parts(); ++part) {
+                if (known[i * parts() + part] > 0.0f) continue;
+                float sum = 0.0f;
+                const auto [first, count, axis] = parts_[part];
+                std::array<glm::vec3, 18> values{};
+                for (int k = 0; k < 27; ++k) {
+                    const glm::ivec3 to = lattice.vertex(i) + glm::ivec3(k % 3, k / 3 % 3, k / 9) - 1;
+                    if (to != glm::clamp(to, glm::ivec3(0), lattice.cells)) continue;
+                    const std::size_t other = lattice.index(to);
+                    const float weight = known[other * parts() + part];
+                    sum += weight;
+                    for (std::size_t v = 0; v < count; ++v) values[v] += weight * before[other * size + first + v];
+                }
+                if (sum <= 0.0f) continue;
+                for (std::size_t v = 0; v < count; ++v) kept_[i * size + first + v] = values[v] / sum;
+                trust_[i * parts() + part] = kLeastOpen;
+            }
+        }
+    }
+    for (float& t : trust_) t = t > 0.0f ? 1.0f : 0.0f; // weights below 0 do not go with shares
+}
+
+bool IrradianceGrid::find(glm::vec3 p, glm::vec3 n, GridCorners& corners) const
+{
+    const GridLattice& lattice = geometry_->lattice;
+    const glm::vec3 surface = lattice.toGrid(p);
+    if (!(glm::all(glm::greaterThanEqual(surface, glm::vec3(-1.0f))) &&
+          glm::all(glm::lessThanEqual(surface, glm::vec3(lattice.cells + 1)))))
+        return false;
+    if (show_.filter != GridFilter::trilinear) {
+        corners.clear();
+        tricubicCorners(lattice, lookupPlace(lattice, p, n, show_.offset), show_.filter, corners);
+        return true;
+    }
+    struct Try {
+        float offset;
+        bool anySide;
+    };
+    // in a gap, nearer vertices may be the only ones; in a wedge, those beside the surface
+    for (const auto [offset, anySide] : {Try{show_.offset, false}, Try{0.0f, false}, Try{0.0f, true}}) {
+        corners.clear();
+        trilinearCorners(*geometry_, lookupPlace(lattice, p, n, offset), p, n, anySide, corners);
+        float known = 0.0f;
+        for (const GridCorner& c : corners) {
+            float most = 0.0f;
+            for (std::size_t part = 0; part < parts(); ++part) most = std::max(most, trust(c.vertex, part));
+            known += most > 0.0f ? c.weight : 0.0f;
+        }
+        if (anySide ? known > 0.0f : known >= kLeastKnown) return true;
+    }
+    return false;
+}
+
+bool IrradianceGrid::blend(const GridCorners& corners, glm::vec3 n, glm::vec3& lux) const
+{
+    glm::vec3 sum(0.0f), correction(0.0f);
+    float share = 0.0f; // of the whole that is known
+    for (std::size_t k = 0; k < parts(); ++k) {
+        const RemapPart& part = parts_[k];
+        glm::vec3 light(0.0f);
+        float weight = 0.0f, wanted = 0.0f;
+        for (const GridCorner& c : corners) {
+            wanted += c.weight;
+            const float w = c.weight * trust(c.vertex, k);
+            if (w == 0.0f) continue;
+            weight += w;
+            light += w * partIrradiance(show_.remap, part, keptAt(c.vertex), n);
+        }
+        const bool isKnown = show_.filter == GridFilter::catmullRom ? weight > kLeastCubic * wanted : weight > 0.0f;
+        if (!isKnown) continue;
+        if (part.axis < 0 && show_.remap == GridRemap::joined) {
+            correction = light / weight;
+            continue;
+        }
+        sum += light / weight;
+        share += part.axis < 0 ? 1.0f : n[part.axis] * n[part.axis];
+    }
+    if (share <= 0.0f) return false;
+    lux = glm::max(sum / share + correction, glm::vec3(0.0f));
+    return true;
+}
+
+bool IrradianceGrid::lookup(glm::vec3 p, glm::vec3 n, glm::vec3& lux) const
+{
+    lux = glm::vec3(0.0f);
+    GridCorners corners;
+    return find(p, n, corners) && blend(corners, n, lux);
+}
+
+std::optional<float> IrradianceGrid::noise(glm::vec3 p, glm::vec3 n) const
+{
+    GridCorners corners;
+    if (!find(p, n, corners)) return {};
+    float variance = 0.0f;
+    for (int axis = 0; axis < 3; ++axis) {
+        float square = 0.0f, weight = 0.0f;
+        const std::size_t part = show_.remap == GridRemap::harmonic ? 0 : static_cast<std::size_t>(axis);
+        for (const GridCorner& c : corners) {
+            const float w = c.weight * trust(c.vertex, part);
+            weight += w;
+            square += w * w * variance_[c.vertex][sideOf(axis, n)];
+        }
+        const float squared = n[axis] * n[axis];
+        if (weight > 0.0f) variance += squared * squared * square / (weight * weight);
+    }
+    return std::sqrt(variance);
+}
+
+std::shared_ptr<const IndirectField> IrradianceGrid::withMix(Mix mix) const
+{
+    return std::make_shared<IrradianceGrid>(geometry_, layers_, estimator_, std::move(mix), show_);
+}
+
+std::shared_ptr<const IrradianceGrid> IrradianceGrid::withShow(GridShow show) const
+{
+    return std::make_shared<IrradianceGrid>(geometry_, layers_, estimator_, mix_, show);
+}
+
+std::size_t IrradianceGrid::memoryBytes() const
+{
+    std::size_t sum = geometry_->memoryBytes() + kept_.size() * sizeof(glm::vec3) + trust_.size() * sizeof(float) +
+                      variance_.size() * sizeof(variance_[0]);
+    for (const auto& layer : layers_) sum += layer ? layer->memoryBytes() : 0;
+    return sum;
+}
+
+} // namespace lightloom

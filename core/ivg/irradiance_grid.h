@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "core/field/indirect_field.h"
+#include "core/ivg/grid_corners.h"
+
+namespace lightloom {
+
+/// How a grid is looked up: no bake is needed to change it.
+struct GridShow {
+    GridRemap remap = GridRemap::joined;
+    GridFilter filter = GridFilter::trilinear;
+    float offset = 0.5f; ///< cells along the normal
+    bool operator==(const GridShow&) const = default;
+};
+
+/// Irradiance vectors of all light groups on one lattice, mixed, as a field of light in space: it answers for any
+/// surface anywhere in the grid, also for one that was not there when it was baked. O(1): 8 reads, or 64 for tricubic.
+class IrradianceGrid final : public IndirectField {
+public:
+    /// `layers` by light group; null where a lamp is off.
+    IrradianceGrid(std::shared_ptr<const GridGeometry> geometry, std::vector<std::shared_ptr<const GridLayer>> layers,
+                   GridEstimator estimator, Mix mix, GridShow show);
+
+    /// False outside the grid by more than a cell, and where every vertex around lies behind walls as seen from there.
+    [[nodiscard]] bool lookup(glm::vec3 p, glm::vec3 n, glm::vec3& lux) const override;
+    [[nodiscard]] std::optional<float> noise(glm::vec3 p, glm::vec3 n) const override;
+    [[nodiscard]] std::shared_ptr<const IndirectField> withMix(Mix mix) const override;
+    [[nodiscard]] std::shared_ptr<const IrradianceGrid> withShow(GridShow show) const;
+    [[nodiscard]] std::string_view method() const override { return "irradiance-grid"; }
+    [[nodiscard]] std::size_t memoryBytes() const override;
+
+    [[nodiscard]] const GridGeometry& geometry() const { return *geometry_; }
+    [[nodiscard]] const std::vector<std::shared_ptr<const GridLayer>>& layers() const { return layers_; }
+    [[nodiscard]] GridEstimator estimator() const { return estimator_; }
+    [[nodiscard]] const GridShow& show() const { return show_; }
+
+private:
+    void mixLayers();
+    void weigh();
+    void spread();
+    [[nodiscard]] bool find(glm::vec3 p, glm::vec3 n, GridCorners& corners) const;
+    [[nodiscard]] bool blend(const GridCorners& corners, glm::vec3 n, glm::vec3& lux) const;
+
+    [[nodiscard]] std::size_t parts() const { return parts_.size(); }
+    [[nodiscard]] std::span<const glm::vec3> keptAt(std::size_t vertex) const
+    {
+        const std::size_t size = remapSize(show_.remap);
+        return {kept_.data() + vertex * size, size};
+    }
+    [[nodiscard]] float trust(std::size_t vertex, std::size_t part) const { return trust_[vertex * parts() + part]; }
+
+    std::shared_ptr<const GridGeometry> geometry_;
+    std::vector<std::shared_ptr<const GridLayer>> layers_;
+    GridEstimator estimator_;
+    Mix mix_;
+    GridShow show_;
+    std::span<const RemapPart> parts_;           ///< of show_.remap
+    std::vector<glm::vec3> kept_;                ///< by vertex: what the remap keeps of the mixed vectors
+    std::vector<float> trust_;                   ///< by vertex and part: open share, 0 where too little is open
+    std::vector<std::array<float, 6>> variance_; ///< by vertex, of the mix
+};
+
+} // namespace lightloom

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: Apache-2.0
+// Claims: in a furnace whose walls lie anywhere in the cell the grid's light is even within 2 % for every normal; a
+// thin wall leaks less than 2 %; lamps are linear; bakes are the same bits on any number of threads and come back from
+// files; nothing is shot twice; extremes stay finite.
+#include "bake_helpers.h"
+#include "core/bake/bake_file.h"
+#include "core/base/units.h"
+#include "core/ivg/ivg_solver.h"
+#include "core/scene/analytic_scenes.h"
+#include "core/scene/sample_scenes.h"
+#include "core/scene/scene_builder.h"
+#include "light_helpers.h"
+
+using namespace lightloom;
+using namespace lightloom::test;
+
+namespace {
+
+BakeParams params(int size, int photons)
+{
+    BakeParams p;
+    p.gridSize = size;
+    p.photonCount = photons;
+    return p;
+}
+
+Baked bakeGrid(const std::shared_ptr<const Scene>& scene, const BakeParams& p, int threads = 2, Mix mix = {})
+{
+    IvgSolver solver;
+    BakeProducts products;
+    return runSolver(solver, {scene, p, std::move(mix)}, products, threads);
+}
+
+const IrradianceGrid& gridOf(const Baked& baked) { return dynamic_cast<const IrradianceGrid&>(*baked.field); }
+
+/// A lit room beside a dark one that is shut, a wall between them that is a tenth of a cell of 16 thick.
+Scene darkNeighbour()
+{
+    SceneBuilder builder("neighbour");
+    const int grey = builder.addMaterial("grey", glm::vec3(0.7f));
+    builder.add("Lit", boxMesh({-2.0f, -1.0f, -1.0f}, {-0.0125f, 1.0f, 1.0f}, Facing::in), grey);
+    builder.add("Dark", boxMesh({0.0125f, -1.0f, -1.0f}, {2.0f, 1.0f, 1.0f}, Facing::in), grey);
+    builder.addPoint("Lamp", {-1.0f, 0.1f, 0.2f}, glm::vec3(100.0f));
+    builder.addPoint("Spark", {1.0f, 0.1f, 0.2f}, glm::vec3(1e-3f)); // so that the room is reached
+    return builder.finish();
+}
+
+} // namespace
+
+class GridFieldTest : public QObject {
+    Q_OBJECT
+private Q_SLOTS:
+    void furnaceIsEven_data()
+    {
+        QTest::addColumn<double>("shift");
+        QTest::addColumn<int>("estimator");
+        QTest::addColumn<int>("remap");
+        QTest::addColumn<int>("filter");
+        for (const double shift : {0.0, 0.25, 0.5, 0.75})
+            QTest::addRow("default, shift %g", shift) << shift << 0 << 0 << 0;
+        QTest::newRow("tracks") << 0.25 << 1 << 0 << 0;
+        QTest::newRow("harmonic") << 0.25 << 0 << 1 << 0;
+        QTest::newRow("flux") << 0.25 << 0 << 2 << 0;
+        QTest::newRow("b-spline") << 0.25 << 0 << 0 << 1;
+        QTest::newRow("catmull-rom") << 0.25 << 0 << 0 << 2;
+    }
+    void furnaceIsEven() // indirect E = M rho / (1 - rho) = 1 everywhere, whatever the normal
+    {
+        QFETCH(double, shift);
+        QFETCH(int, estimator);
+        QFETCH(int, remap);
+        QFETCH(int, filter);
+        const auto scene = share(furnaceBox(0.5f, 1.0f, {2.0f, 1.7f, 2.3f}));
+        BakeParams p = params(4, 4'000'000);
+        p.gridShift = float(shift);
+        p.gridEstimator = GridEstimator(estimator);
+        p.gridRemap = GridRemap(remap);
+        p.gridFilter = GridFilter(filter);
+        const Baked baked = bakeGrid(scene, p);
+        QVERIFY2(baked.error.empty(), baked.error.c_str());
+        Rng rng(1, hashName("normals"), 0);
+        double worst = 0.0;
+        RunningMean mean;
+        for (const FacePoint& point : facePoints(*scene, 3000, 1)) {
+            const auto [u1, u2] = rng.uniformPair();
+            // surfaces that stand in the room there as well: tilted by up to 80 degrees
+            const glm::vec3 tilted = Frame(point.normal).toWorld(sampleCone(u1, u2, 0.17f));
+            for (const glm::vec3 n : {point.normal, tilted}) {
+                glm::vec3 lux;
+                QVERIFY(baked.field->lookup(point.position, n, lux));
+                worst = std::max(worst, std::abs(double(lux.x) - 1.0));
+                mean.add(double(lux.x));
+            }
+        }
+        qInfo("mean %.4f, worst off by %.4f", mean.mean(), worst);
+        QVERIFY2(worst <= 0.02 && std::abs(mean.mean() - 1.0) <= 0.003, qPrintable(QString("off by %1").arg(worst)));
+    }
+
+    void thinWallsLeakLittle_data()
+    {
+        QTest::addColumn<double>("shift");
+        for (const double shift : {0.0, 0.25, 0.5, 0.75}) QTest::addRow("%g", shift) << shift;
+    }
+    void thinWallsLeakLittle()
+    {
+        QFETCH(double, shift);
+        const auto scene = share(darkNeighbour());
+        BakeParams p = params(16, 200'000);
+        p.gridShift = float(shift);
+        const Baked baked = bakeGrid(scene, p);
+        QVERIFY2(baked.error.empty(), baked.error.c_str());
+        RunningMean lit, dark;
+        for (const FacePoint& point : facePoints(*scene, 4000, 1)) {
+            glm::vec3 lux;
+            if (!baked.field->lookup(point.position, point.normal, lux)) continue;
+            (point.position.x < 0.0f ? lit : dark).add(double(lux.x));
+        }
+        qInfo("%.3f lx, %.5f lx", lit.mean(), dark.mean());
+        QVERIFY(lit.count() > 1500 && dark.count() > 1500);
+        QVERIFY2(dark.mean() <= 0.02 * lit.mean(), qPrintable(QString("leaks %1").arg(dark.mean() / lit.mean())));
+    }
+
+    void lampsAddUp()
+    {
+        const auto scene = share(*sampleScene("two_rooms"));
+        const BakeParams p = params(12, 30'000);
+        BakeProducts products;
+        IvgSolver solver;
+        const Baked both = runSolver(solver, {scene, p, {}}, products);
+        const Baked one = bakeGrid(scene, p, 2, {glm::vec3(1.0f), glm::vec3(0.0f)});
+        const Baked other = bakeGrid(scene, p, 2, {glm::vec3(0.0f), glm::vec3(1.0f)});
+        QCOMPARE(one.counters.groupsOff, std::uint64_t{1});
+        const auto tinted = both.field->withMix({glm::vec3(2.0f, 0.0f, 1.0f), glm::vec3(0.0f, 0.5f, 1.0f)});
+        for (const FacePoint& point : facePoints(*scene, 300, 1)) {
+            glm::vec3 a, b, c, d;
+            if (!both.field->lookup(point.position, point.normal, c)) continue;
+            QVERIFY(one.field->lookup(point.position, point.normal, a));
+            QVERIFY(other.field->lookup(point.position, point.normal, b));
+            QVERIFY(tinted->lookup(point.position, point.normal, d));
+            const float allowed = 1e-4f * maxChannel(a + b) + 1e-4f;
+            QVERIFY(glm::all(glm::lessThanEqual(glm::abs(a + b - c), glm::vec3(allowed))));
+            const glm::vec3 wanted(2.0f * a.x, 0.5f * b.y, a.z + b.z);
+            QVERIFY(glm::all(glm::lessThanEqual(glm::abs(wanted - d), glm::vec3(2.0f * allowed))));
+        }
+        const Baked again = runSolver(solver, {scene, p, {}}, products); // all is there
+        QCOMPARE(again.counters.photonsShot, std::uint64_t{0});
+        QCOMPARE(again.counters.groupsReused, std::uint64_t{2});
+        QVERIFY(again.counters.deposits == both.counters.deposits &&
+                again.counters.ledger.emitted == both.counters.ledger.emitted);
+    }
+
+    void filesGiveBackEveryBitOnAnyThreads()
+    {
+        const auto scene = share(*sampleScene("two_rooms"));
+        BakeParams p = params(10, 20'000);
+        p.gridSizeY = 5;
+        BakeInfo info;
+        info.method = Method::irradianceGrid;
+        info.params = p;
+        info.sceneHash = sceneHash(*scene);
+        for (const LightGroup& group : scene->groups) info.groups.push_back(group.id);
+        const Baked baked = bakeGrid(scene, p, 1);
+        const auto bytes = bakeBytes(*baked.field, info, *scene);
+        QVERIFY2(static_cast<bool>(bytes), bytes ? "" : bytes.error().message.c_str());
+        const auto again = bakeBytes(*bakeGrid(scene, p, 5).field, info, *scene);
+        QVERIFY(again && *again == *bytes);
+        const Result<BakeFile> file = bakeFromBytes(*bytes, *scene);
+        QVERIFY2(static_cast<bool>(file) && file->grid, file ? "" : file.error().message.c_str());
+        const IrradianceGrid &a = gridOf(baked), &b = *file->grid;
+        QVERIFY(a.geometry().lattice == b.geometry().lattice && a.show() == b.show() && a.estimator() == b.estimator());
+        for (std::size_t i = 0; i < a.geometry().lattice.vertexCount(); ++i) {
+            QVERIFY(a.geometry().openness.isOpen[i] == b.geometry().openness.isOpen[i]);
+            if (a.geometry().openness.isOpen[i] == 0) continue;
+            QVERIFY(a.layers()[1]->vectors[i] == b.layers()[1]->vectors[i]);
+            QVERIFY(a.layers()[1]->variance[i] == b.layers()[1]->variance[i]);
+            QVERIFY(a.geometry().openness.sight[i] == b.geometry().openness.sight[i]);
+        }
+        for (const FacePoint& point : facePoints(*scene, 500, 2)) {
+            glm::vec3 x, y;
+            QCOMPARE(a.lookup(point.position, point.normal, x), b.lookup(point.position, point.normal, y));
+            QVERIFY(x == y && a.noise(point.position, point.normal) == b.noise(point.position, point.normal));
+        }
+    }
+
+    void statedNoiseIsTheSpreadOfSeeds()
+    {
+        const auto scene = share(*sampleScene("cornell"));
+        std::vector<Baked> runs;
+        for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+            BakeParams p = params(16, 50'000);
+            p.seed = seed;
+            runs.push_back(bakeGrid(scene, p));
+        }
+        RunningMean spread, stated;
+        for (const FacePoint& point : facePoints(*scene, 500, 1)) {
+            RunningMean value;
+            for (const Baked& run : runs) {
+                glm::vec3 lux;
+                if (!run.field->lookup(point.position, point.normal, lux)) continue;
+                value.add(double(luminance(lux)));
+                const float noise = *run.field->noise(point.position, point.normal);
+                stated.add(double(noise * noise));
+            }
+            spread.add(value.variance());
+        }
+        const double ratio = std::sqrt(stated.mean() / spread.mean());
+        qInfo("states %.2f of its noise", ratio);
+        QVERIFY(ratio >= 0.8 && ratio <= 1.25);
+    }
+
+    void extremesStayFinite()
+    {
+        const auto cornell = share(*sampleScene("cornell"));
+        for (const int photons : {0, 1, 7}) {
+            for (const int size : {2, 3}) {
+                const Baked baked = bakeGrid(cornell, params(size, photons));
+                QVERIFY2(baked.error.empty(), baked.error.c_str());
+                for (const FacePoint& point : facePoints(*cornell, 200, 1)) {
+                    const glm::vec3 lux = baked.field->irradiance(point.position, point.normal);
+                    QVERIFY(isFinite(lux) && glm::all(glm::greaterThanEqual(lux, glm::vec3(0.0f))));
+                }
+            }
+        }
+        SceneBuilder dark("dark"); // no lamp at all; flat
+        dark.add("Sheet", quadMesh({0, 0, 0}, {0, 0, 1}, {2, 0, 0}), dark.addMaterial("grey", glm::vec3(0.5f)));
+        const Baked none = bakeGrid(share(dark.finish()), params(8, 1000));
+        QVERIFY2(none.error.empty(), none.error.c_str());
+        QVERIFY(none.field->irradiance({0.5f, 0.0f, 0.5f}, {0, 1, 0}) == glm::vec3(0.0f));
+        glm::vec3 lux;
+        QVERIFY(!none.field->lookup({100.0f, 0.0f, 0.0f}, {0, 1, 0}, lux));
+    }
+
+    void midAirIsAnswered() // a plane across the furnace where there is no surface
+    {
+        const auto scene = share(furnaceBox(0.5f));
+        const Baked baked = bakeGrid(scene, params(6, 500'000));
+        for (const glm::vec3 p : {glm::vec3(0.0f), glm::vec3(0.3f, -0.2f, 0.1f), glm::vec3(-0.7f, 0.4f, 0.6f)}) {
+            for (const glm::vec3 n : {glm::vec3(0, 1, 0), glm::normalize(glm::vec3(1, -2, 3))}) {
+                glm::vec3 lux;
+                QVERIFY(baked.field->lookup(p, n, lux));
+                QVERIFY(std::abs(lux.x - 1.0f) <= 0.02f);
+            }
+        }
+    }
+
+    void stopsAreSeen()
+    {
+        std::stop_source source;
+        source.request_stop();
+        Workers workers(2);
+        BakeControl control(workers, {}, source.get_token());
+        BakeProducts products;
+        const Result<Done> done =
+            IvgSolver().bake({share(*sampleScene("cornell")), params(32, 10'000'000), {}}, products, control);
+        QVERIFY(!done && done.error().kind == Error::Kind::cancelled);
+    }
+
+    void hugeGridsAreRefused()
+    {
+        BakeParams p = params(512, 10);
+        p.gridSizeX = p.gridSizeY = p.gridSizeZ = 512;
+        const Baked baked = bakeGrid(share(*sampleScene("cornell")), p);
+        QVERIFY2(baked.error.find("lower grid.size") != std::string::npos, baked.error.c_str());
+    }
+};
+
+QTEST_APPLESS_MAIN(GridFieldTest)
+#include "tst_grid_field.moc"
