@@ -540,6 +540,12 @@ private Q_SLOTS:
         const auto found = findOverlap({a, beside, on}, 1e-6, {}).pair;
         QVERIFY(found && found->first < 2 && found->second == 2);
         QVERIFY(findOverlap({a, T{a[0], a[2], a[1]}}, 1e-6, {}).pair); // the same, turned over
+        const T rises{glm::dvec2(0.0, 0.0), glm::dvec2(0.0, 0.02), glm::dvec2(1.0, 0.5)};
+        const T level{glm::dvec2(0.1, 0.42), glm::dvec2(0.1, 0.4), glm::dvec2(1.0, 0.4)};
+        const T between{glm::dvec2(0.05, 0.2), glm::dvec2(0.05, 0.3), glm::dvec2(0.2, 0.25)}; // ends before they meet
+        QVERIFY(!findOverlap({rises, between}, 1e-6, {}).pair && !findOverlap({between, level}, 1e-6, {}).pair);
+        const auto met = findOverlap({rises, between, level}, 1e-6, {}).pair;
+        QVERIFY(met && met->first == 0 && met->second == 2);
     }
 
     void overlapsAreThoseOfAllPairs() // a mesh with its corners moved by chance, some further than to the next
