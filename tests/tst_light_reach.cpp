@@ -191,7 +191,7 @@ private Q_SLOTS:
         const int grey = builder.addMaterial("grey", glm::vec3(0.6f));
         builder.add("Floor", tiles(60, 60, 0.1f), grey);
         builder.add("Chest", boxMesh({1.0f, -0.005f, 4.0f}, {2.0f, 0.4f, 5.0f}), grey);
-        builder.addPoint("Lamp", {2.0f, 1.5f, 2.0f}, glm::vec3(100.0f));
+        builder.addPoint("Lamp", {2.0f, 1.5f, 3.5f}, glm::vec3(100.0f));
         const Lit lit = litArea(builder);
         const auto expect = [](double found, double area, double more, const char* what) {
             QVERIFY2(found >= 0.999 * area && found <= area + more + 1e-4,
