@@ -8,6 +8,7 @@
 #include "core/compare/field_noise.h"
 #include "core/compare/image_error.h"
 #include "core/compare/probes.h"
+#include "core/ivg/ivg_solver.h"
 #include "core/octree/octree_solver.h"
 #include "core/params/param_text.h"
 #include "core/photonmap/photon_map_solver.h"
@@ -88,8 +89,10 @@ void measure(const std::string& name, const Settings& settings)
         judge.noise.push_back(light.indirectError);
     }
     PhotonMapSolver photonMap;
+    IvgSolver grid;
     OctreeSolver octree;
-    for (Solver* solver : {static_cast<Solver*>(&octree), static_cast<Solver*>(&photonMap)}) {
+    for (Solver* solver :
+         {static_cast<Solver*>(&octree), static_cast<Solver*>(&grid), static_cast<Solver*>(&photonMap)}) {
         double began = cpuSeconds(CpuOf::process);
         BakeControl control(workers, {[&](Snapshot s) {
                                           const double cpu = cpuSeconds(CpuOf::process) - began;

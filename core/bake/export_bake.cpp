@@ -177,7 +177,7 @@ Result<Done> checkExport(const ExportRequest& request, Method method)
     }
     if (!request.volume.empty() && method != Method::lightOctree) {
         return Error{Error::Kind::badInput,
-                     fmt::format("a volume holds the leaves of a light-octree; a {} has none", methodName(method))};
+                     fmt::format("a volume holds the leaves of a light-octree; {} has none", methodName(method))};
     }
     return Done{};
 }

@@ -15,8 +15,9 @@ namespace {
 constexpr std::size_t kSummed = 12, kSquares = 9;
 
 struct alignas(64) Slot {
-    std::array<Floats4, kSummed / 4> sums;
+    std::array<float, kSummed> sums{};
     std::uint64_t parts = 0; ///< of the face, what is open (GridOpenness::faceParts)
+    void add(std::size_t four, const Floats4& values) { lanesOf<Floats4>(sums.data(), four) += values; }
 };
 using Totals = std::array<double, kSummed>;
 
@@ -25,7 +26,24 @@ constexpr std::size_t kSlabBytes = 1 << 20; ///< of slots that a thread works on
 /// A segment in grid coordinates.
 struct GridSegment {
     glm::vec3 from, to, toLight, flux;
-    float length; ///< metres
+    float length;  ///< metres
+    bool isInside; ///< both ends are in the grid, and with them all between
+};
+
+/// The planes of one axis that a segment crosses, in little memory: slabs look at all segments, and most cross others.
+struct ShortRange {
+    std::int16_t first = 0, last = -1;
+    explicit ShortRange(PlaneRange r = {})
+        : first(static_cast<std::int16_t>(r.first)), last(static_cast<std::int16_t>(r.last))
+    {
+    }
+    [[nodiscard]] PlaneRange within(PlaneRange o) const { return PlaneRange{first, last}.within(o); }
+};
+
+/// What one block of photons left, ready to be summed.
+struct SegmentList {
+    RawVector<GridSegment> segments;
+    std::array<std::vector<ShortRange>, 3> crossed; ///< by axis and segment
 };
 
 std::array<Floats4, 3> packed(const glm::vec3& w, const glm::vec3& flux, const glm::vec3& squares)
@@ -102,11 +120,20 @@ struct GridDeposit::Sums {
         return all;
     }
 
-    std::uint64_t cross(const GridSegment& s, const Slab& slab)
+    std::uint64_t cross(const SegmentList& list, const Slab& slab)
     {
-        const int axis = slab.axis, u = (axis + 1) % 3, v = (axis + 2) % 3;
-        const PlaneRange crossed = crossedPlanes(s.from[axis], s.to[axis]).within(slab.planes);
-        if (crossed.count() == 0) return 0;
+        std::uint64_t count = 0;
+        const std::vector<ShortRange>& crossed = list.crossed[static_cast<std::size_t>(slab.axis)];
+        for (std::size_t i = 0; i < crossed.size(); ++i) {
+            const PlaneRange planes = crossed[i].within(slab.planes);
+            if (planes.first <= planes.last) count += cross(list.segments[i], slab.axis, planes);
+        }
+        return count;
+    }
+
+    std::uint64_t cross(const GridSegment& s, int axis, PlaneRange planes)
+    {
+        const int u = (axis + 1) % 3, v = (axis + 2) % 3;
         glm::vec3 w = s.toLight;
         const float along = std::abs(w[axis]), light = luminance(s.flux);
         float square = light * along;
@@ -121,15 +148,24 @@ struct GridDeposit::Sums {
         const auto rowU = std::size_t(lattice().cells[u] + 1), rowV = std::size_t(lattice().cells[v] + 1);
         Slot* const first = slots.data() + 2 * std::size_t(axis) * lattice().vertexCount() + std::size_t(side);
         std::uint64_t count = 0;
-        forCrossings(s.from, s.to, axis, crossed, [&](int plane, float atU, float atV) {
-            if (!(atU >= 0.0f && atU <= mostU && atV >= 0.0f && atV <= mostV)) return;
+        forPlanes(s.from, s.to, axis, planes, [&](int plane, float atU, float atV) {
+            if (!s.isInside && !(atU >= 0.0f && atU <= mostU && atV >= 0.0f && atV <= mostV)) return;
             const int i = static_cast<int>(atU + 0.5f), j = static_cast<int>(atV + 0.5f);
             Slot& slot = first[2 * ((std::size_t(plane) * rowV + std::size_t(j)) * rowU + std::size_t(i))];
-            const float x = atU + 0.5f - static_cast<float>(i), y = atV + 0.5f - static_cast<float>(j);
-            if ((slot.parts & bitOf(x, y, GridOpenness::kParts)) == 0) return;
-            for (std::size_t k = 0; k < values.size(); ++k) slot.sums[k] += values[k];
+            if (slot.parts != ~std::uint64_t{0}) {
+                const float x = atU + 0.5f - static_cast<float>(i), y = atV + 0.5f - static_cast<float>(j);
+                if ((slot.parts & bitOf(x, y, GridOpenness::kParts)) == 0) return;
+            }
+            for (std::size_t k = 0; k < values.size(); ++k) slot.add(k, values[k]);
             ++count;
         });
+        return count;
+    }
+
+    std::uint64_t pass(const SegmentList& list, const Slab& slab)
+    {
+        std::uint64_t count = 0;
+        for (const GridSegment& s : list.segments) count += pass(s, slab);
         return count;
     }
 
@@ -152,9 +188,9 @@ struct GridDeposit::Sums {
             Slot& slot = slots[8 * index + octant];
             const float way = share * s.length;
             const Floats4 last{way, way * way, way * way, way * way};
-            slot.sums[0] += values[0] * way;
-            slot.sums[1] += values[1] * way;
-            slot.sums[2] += values[2] * last;
+            slot.add(0, values[0] * way);
+            slot.add(1, values[1] * way);
+            slot.add(2, values[2] * last);
             ++count;
         });
         return count;
@@ -165,14 +201,31 @@ struct GridDeposit::Sums {
         // far enough to leave the grid from anywhere in it
         const glm::vec3 size = glm::vec3(lattice().cells) * lattice().cellSize;
         const float length = std::min(s.length, 2.0f * glm::length(size));
-        return {lattice().toGrid(s.from), lattice().toGrid(s.from + length * s.travel), -s.travel, s.flux, length};
+        const glm::vec3 from = lattice().toGrid(s.from), to = lattice().toGrid(s.from + length * s.travel);
+        const bool isInside = glm::all(glm::greaterThanEqual(glm::min(from, to), glm::vec3(0.0f))) &&
+                              glm::all(glm::lessThanEqual(glm::max(from, to), glm::vec3(lattice().cells)));
+        return {from, to, -s.travel, s.flux, length, isInside};
+    }
+
+    void read(const SegmentBlock& block, SegmentList& list) const
+    {
+        list.segments.resize(block.segments.size());
+        std::ranges::transform(block.segments, list.segments.begin(),
+                               [&](const PhotonSegment& s) { return toGrid(s); });
+        for (int axis = 0; axis < (isTracks() ? 0 : 3); ++axis) {
+            const PlaneRange all{0, lattice().cells[axis]};
+            auto& crossed = list.crossed[static_cast<std::size_t>(axis)];
+            crossed.clear();
+            for (const GridSegment& s : list.segments)
+                crossed.push_back(ShortRange(crossedPlanes(s.from[axis], s.to[axis]).within(all)));
+        }
     }
 
     /// Moves the sums of a stretch of slots to their totals.
     void settle(std::size_t first, std::size_t end)
     {
         for (std::size_t i = first; i < end; ++i) {
-            for (std::size_t k = 0; k < kSummed; ++k) totals[i][k] += static_cast<double>(slots[i].sums[k / 4][k % 4]);
+            for (std::size_t k = 0; k < kSummed; ++k) totals[i][k] += static_cast<double>(slots[i].sums[k]);
             slots[i].sums = {};
         }
     }
@@ -201,7 +254,7 @@ struct GridDeposit::Sums {
     GridEstimator estimator;
     std::vector<Slot> slots;
     std::vector<Totals> totals;
-    std::vector<RawVector<GridSegment>> segments; // of the call's blocks
+    std::vector<SegmentList> lists; // of the call's blocks
     std::atomic<std::uint64_t> deposits = 0;
 };
 
@@ -214,20 +267,15 @@ GridDeposit::~GridDeposit() = default;
 bool GridDeposit::add(std::span<const SegmentBlock> blocks, Workers& workers, const std::stop_token& stop)
 {
     Sums& sums = *sums_;
-    sums.segments.resize(blocks.size());
-    const bool isRead = workers.run(blocks.size(), stop, [&](std::size_t b) {
-        sums.segments[b].resize(blocks[b].segments.size());
-        std::ranges::transform(blocks[b].segments, sums.segments[b].begin(),
-                               [&](const PhotonSegment& s) { return sums.toGrid(s); });
-    });
+    sums.lists.resize(blocks.size());
+    const bool isRead = workers.run(blocks.size(), stop, [&](std::size_t b) { sums.read(blocks[b], sums.lists[b]); });
     if (!isRead) return false;
     const auto slabs = sums.slabs();
     const bool isSummed = workers.run(slabs.size(), stop, [&](std::size_t task) {
         std::uint64_t count = 0;
-        for (const auto& block : sums.segments) {
+        for (const SegmentList& list : sums.lists) {
             if (stop.stop_requested()) return;
-            for (const GridSegment& s : block)
-                count += sums.isTracks() ? sums.pass(s, slabs[task]) : sums.cross(s, slabs[task]);
+            count += sums.isTracks() ? sums.pass(list, slabs[task]) : sums.cross(list, slabs[task]);
         }
         sums.deposits += count;
     });

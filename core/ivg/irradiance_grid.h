@@ -36,10 +36,12 @@ public:
 
 private:
     void mixLayers();
+    void findSlopes();
     void weigh();
     void spread();
     [[nodiscard]] bool find(glm::vec3 p, glm::vec3 n, GridCorners& corners) const;
-    [[nodiscard]] bool blend(const GridCorners& corners, glm::vec3 n, glm::vec3& lux) const;
+    [[nodiscard]] bool blend(const GridCorners& corners, glm::vec3 p, glm::vec3 n, glm::vec3& lux) const;
+    [[nodiscard]] bool hasSlopes() const { return show_.remap == GridRemap::joined || show_.remap == GridRemap::flux; }
 
     [[nodiscard]] std::size_t parts() const { return parts_.size(); }
     [[nodiscard]] std::span<const glm::vec3> keptAt(std::size_t vertex) const
@@ -54,10 +56,11 @@ private:
     GridEstimator estimator_;
     Mix mix_;
     GridShow show_;
-    std::span<const RemapPart> parts_;           ///< of show_.remap
-    std::vector<glm::vec3> kept_;                ///< by vertex: what the remap keeps of the mixed vectors
-    std::vector<float> trust_;                   ///< by vertex and part: open share, 0 where too little is open
-    std::vector<std::array<float, 6>> variance_; ///< by vertex, of the mix
+    std::span<const RemapPart> parts_;             ///< of show_.remap
+    std::vector<glm::vec3> kept_;                  ///< by vertex: what the remap keeps of the mixed vectors
+    std::vector<float> trust_;                     ///< by vertex and part: open share, 0 where too little is open
+    std::vector<std::array<glm::vec3, 6>> slopes_; ///< by vertex and direction: of I_delta . delta along it, per cell
+    std::vector<std::array<float, 6>> variance_;   ///< by vertex, of the mix
 };
 
 } // namespace lightloom

@@ -11,7 +11,7 @@ namespace lightloom {
 namespace {
 
 /// Blocks of photons that are traced, then summed. Part of the result's definition: sums of a batch are in float.
-constexpr std::uint64_t kBatch = 64;
+constexpr std::uint64_t kBatch = 128;
 constexpr double kPlaceShare = 0.05; ///< of a bake's time that the grid itself takes
 
 /// What a light group's layer was made from.
