@@ -233,9 +233,10 @@ struct GridDeposit::Sums {
         for (int axis = 0; axis < (isTracks() ? 0 : 3); ++axis) {
             const PlaneRange all{0, lattice().cells[axis]};
             auto& crossed = list.crossed[static_cast<std::size_t>(axis)];
-            crossed.clear();
-            for (const GridSegment& s : list.segments)
-                crossed.push_back(ShortRange(crossedPlanes(s.from[axis], s.to[axis]).within(all)));
+            crossed.resize(list.segments.size());
+            std::ranges::transform(list.segments, crossed.begin(), [&](const GridSegment& s) {
+                return ShortRange(crossedPlanes(s.from[axis], s.to[axis]).within(all));
+            });
         }
     }
 

@@ -20,9 +20,10 @@ struct PlaneRange {
 /// plane has crossed it while what the wall sends back has not. Both finite and within int.
 [[nodiscard]] inline PlaneRange crossedPlanes(float from, float to)
 {
-    if (from < to) return {static_cast<int>(std::floor(from)) + 1, static_cast<int>(std::floor(to))};
-    if (to < from) return {static_cast<int>(std::ceil(to)), static_cast<int>(std::ceil(from)) - 1};
-    return {};
+    const bool isUp = from < to; // as good as random: choices of values, not of ways
+    const float first = isUp ? std::floor(from) + 1.0f : std::ceil(to);
+    const float last = isUp ? std::floor(to) : std::ceil(from) - 1.0f;
+    return {static_cast<int>(first), static_cast<int>(last)};
 }
 
 /// Calls visit(plane, u, v) for `planes` of an axis, rising, which the segment crosses; (u, v) are coordinates along
