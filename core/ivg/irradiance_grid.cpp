@@ -8,6 +8,7 @@ namespace lightloom {
 namespace {
 
 constexpr float kLeastOpen = 0.15f;   ///< share of a face or cell; what is left of less is mostly rounding
+constexpr float kSteepest = 0.5f;     ///< of a lamp's light at a vertex, per cell
 constexpr int kSpreads = 2;           ///< vertices deep that values are carried into walls for Catmull-Rom
 constexpr float kLeastKnown = 0.005f; ///< of trilinear weights: less comes from round a corner
 constexpr float kLeastCubic = 0.5f;   ///< of Catmull-Rom's weights that must find a value
@@ -66,47 +67,67 @@ void IrradianceGrid::mixLayers()
 
 /// The first vertices before a wall stand off it, and light grows with the distance from most walls: by 1 to 2 % of the
 /// mean in cornell. So surfaces are told how light goes on to them, by a line through all that the vertices around
-/// know: the noise of single vertices would be more than what is won.
+/// know: the noise of single vertices would be more than what is won. Each lamp has its own, no steeper than kSteepest
+/// of its own light, so that lamps add up and nothing comes from where there is none (round the edge of a sunlit roof,
+/// say).
 void IrradianceGrid::findSlopes()
 {
     const GridLattice& lattice = geometry_->lattice;
-    const GridOpenness& openness = geometry_->openness;
     slopes_.assign(lattice.vertexCount(), {});
-    for (std::size_t i = 0; i < lattice.vertexCount(); ++i) {
-        if (openness.isOpen[i] == 0) continue;
-        struct Line {
-            float weight = 0.0f, x = 0.0f, xx = 0.0f;
-            std::array<glm::vec3, 2> y{glm::vec3(0.0f), glm::vec3(0.0f)}, xy{glm::vec3(0.0f), glm::vec3(0.0f)};
-        };
-        std::array<Line, 3> lines;
-        for (int k = 0; k < 27; ++k) {
-            const glm::ivec3 step = glm::ivec3(k % 3, k / 3 % 3, k / 9) - 1, to = lattice.vertex(i) + step;
-            bool isSeen = to == glm::clamp(to, glm::ivec3(0), lattice.cells);
-            for (int axis = 0; axis < 3; ++axis) {
-                const auto sight =
-                    static_cast<float>(openness.sight[i][std::size_t(2 * axis + (step[axis] > 0 ? 1 : 0))]);
-                isSeen = isSeen && (step[axis] == 0 || sight >= GridOpenness::kSightUnits);
+    std::vector<std::array<glm::vec3, 6>> flux(lattice.vertexCount());
+    for (std::size_t g = 0; g < layers_.size(); ++g) {
+        const glm::vec3 gain = gainOf(mix_, static_cast<int>(g));
+        if (!layers_[g] || gain == glm::vec3(0.0f)) continue;
+        for (std::size_t i = 0; i < flux.size(); ++i) keepForRemap(GridRemap::flux, layers_[g]->vectors[i], flux[i]);
+        for (std::size_t i = 0; i < flux.size(); ++i) {
+            if (geometry_->openness.isOpen[i] == 0) continue;
+            const std::array<glm::vec3, 6> slopes = slopesAt(i, flux);
+            for (std::size_t d = 0; d < 6; ++d) {
+                const glm::vec3 most = kSteepest * flux[i][d];
+                slopes_[i][d] += gain * glm::clamp(slopes[d], -most, most);
             }
-            if (!isSeen) continue;
-            const std::size_t other = lattice.index(to);
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                Line& line = lines[axis];
-                const float w = trust(other, axis), x = static_cast<float>(step[int(axis)]);
-                line.weight += w, line.x += w * x, line.xx += w * x * x;
-                for (std::size_t side = 0; side < 2; ++side) {
-                    const glm::vec3 value = keptAt(other)[2 * axis + side];
-                    line.y[side] += w * value, line.xy[side] += w * x * value;
-                }
-            }
-        }
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const Line& line = lines[axis];
-            const float spread = line.weight * line.xx - line.x * line.x;
-            if (spread <= 1e-3f * line.weight * line.weight) continue;
-            for (std::size_t side = 0; side < 2; ++side)
-                slopes_[i][2 * axis + side] = (line.weight * line.xy[side] - line.x * line.y[side]) / spread;
         }
     }
+}
+
+/// By direction, the slope along it of a line through what a vertex and those around that it sees have, per cell.
+std::array<glm::vec3, 6> IrradianceGrid::slopesAt(std::size_t vertex,
+                                                  std::span<const std::array<glm::vec3, 6>> flux) const
+{
+    const GridLattice& lattice = geometry_->lattice;
+    struct Line {
+        float weight = 0.0f, x = 0.0f, xx = 0.0f;
+        std::array<glm::vec3, 2> y{glm::vec3(0.0f), glm::vec3(0.0f)}, xy{glm::vec3(0.0f), glm::vec3(0.0f)};
+    };
+    std::array<Line, 3> lines;
+    for (int k = 0; k < 27; ++k) {
+        const glm::ivec3 step = glm::ivec3(k % 3, k / 3 % 3, k / 9) - 1, to = lattice.vertex(vertex) + step;
+        bool isSeen = to == glm::clamp(to, glm::ivec3(0), lattice.cells);
+        for (int axis = 0; axis < 3; ++axis) {
+            const std::size_t way = static_cast<std::size_t>(2 * axis + (step[axis] > 0 ? 1 : 0));
+            const auto sight = static_cast<float>(geometry_->openness.sight[vertex][way]);
+            isSeen = isSeen && (step[axis] == 0 || sight >= GridOpenness::kSightUnits);
+        }
+        if (!isSeen) continue;
+        const std::size_t other = lattice.index(to);
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            Line& line = lines[axis];
+            const float w = trust(other, axis), x = static_cast<float>(step[int(axis)]);
+            line.weight += w, line.x += w * x, line.xx += w * x * x;
+            for (std::size_t side = 0; side < 2; ++side) {
+                const glm::vec3 value = flux[other][2 * axis + side];
+                line.y[side] += w * value, line.xy[side] += w * x * value;
+            }
+        }
+    }
+    std::array<glm::vec3, 6> slopes{};
+    for (std::size_t d = 0; d < 6; ++d) {
+        const Line& line = lines[d / 2];
+        const float spread = line.weight * line.xx - line.x * line.x;
+        if (spread <= 1e-3f * line.weight * line.weight) continue; // all in one plane
+        slopes[d] = (line.weight * line.xy[d % 2] - line.x * line.y[d % 2]) / spread;
+    }
+    return slopes;
 }
 
 /// Gives vertices behind walls, where nothing is known, the mean of what is known around them.
@@ -197,7 +218,6 @@ bool IrradianceGrid::blend(const GridCorners& corners, glm::vec3 p, glm::vec3 n,
             continue;
         }
         if (part.axis >= 0 && hasSlopes()) {
-            // no limit here: what one lamp adds may not depend on others
             light += n[part.axis] * n[part.axis] * (surface[part.axis] - place / weight) * slope;
         }
         sum += light / weight;

@@ -37,6 +37,8 @@ public:
 private:
     void mixLayers();
     void findSlopes();
+    [[nodiscard]] std::array<glm::vec3, 6> slopesAt(std::size_t vertex,
+                                                    std::span<const std::array<glm::vec3, 6>> flux) const;
     void weigh();
     void spread();
     [[nodiscard]] bool find(glm::vec3 p, glm::vec3 n, GridCorners& corners) const;
