@@ -67,6 +67,23 @@ SHARED ivec2 rowTexel(int number, int width)
     return ivec2(number % width, number / width);
 }
 
+const float kSideSteps = 88.0f; // of an entry's side, a cell
+
+// Unit direction in the plane of a surface facing n, in 256ths of a turn.
+SHARED vec3 sideDirection(vec3 n, uint angle)
+{
+    vec3 t = normalize(cross(abs(n.x) < 0.6f ? vec3(1.0f, 0.0f, 0.0f) : vec3(0.0f, 1.0f, 0.0f), n));
+    float a = float(int(angle)) * (6.28318531f / 256.0f);
+    return cos(a) * t + sin(a) * cross(n, t);
+}
+
+// Whether an entry with that side (core/octree/entry_side.h), facing n, does not know the light `fromMiddle` cells from
+// the middle of its leaf: a wall stands between.
+SHARED bool isBeyondSide(vec3 n, uint angle, uint least, vec3 fromMiddle)
+{
+    return least != 0u && kSideSteps * dot(sideDirection(n, angle), fromMiddle) < float(int(least)) - 128.0f;
+}
+
 // Trilinear weight of a corner (0 or 1 per axis) at `fraction` of the way.
 SHARED float cornerWeight(vec3 fraction, ivec3 corner)
 {

@@ -32,9 +32,9 @@ uvec4 vdlAt(int number)
     return texelFetch(vdls, rowTexel(number, vdlWidth), 0);
 }
 
-uvec2 normalAt(int entry)
+uvec4 normalAt(int entry)
 {
-    return texelFetch(normals, rowTexel(entry, normalWidth), 0).xy;
+    return texelFetch(normals, rowTexel(entry, normalWidth), 0);
 }
 
 int classEnd(int lights)

@@ -3,7 +3,7 @@
 // (core/bake/packed_octree.cpp), so that both give the same light. Whoever includes it brings
 //   int depth, deepest, hasDirections; vec3 lowest; float cellSize, colourScale
 //   int classEnd(int lights): entries with at most as many lights, 0 to kMostVdls
-//   uvec4 brickAt(ivec3 texel), vdlAt(int number); uvec2 normalAt(int entry)
+//   uvec4 brickAt(ivec3 texel), vdlAt(int number), normalAt(int entry)
 //   vec3 entryValue(int entry, vec3 n): what is asked of an entry, for octreeBlend
 // and common_octree.glsl, common_vdl.glsl, shared_limits.glsl.
 
@@ -27,17 +27,21 @@ SHARED ivec3 leafAt(ivec3 cell, int level)
     return ivec3(0);
 }
 
-// Entry of a leaf (leafAt) whose normal is nearest n, or -1 where none is compatible.
-SHARED int entryFor(ivec3 leaf, vec3 n)
+// Entry (x) of a leaf (leafAt) whose normal is nearest n, or -1 where none is compatible; one that is on the same side
+// of a wall as the place, `fromMiddle` cells from the leaf's middle, if there is one (y = 0).
+SHARED ivec2 entryFor(ivec3 leaf, vec3 n, vec3 fromMiddle)
 {
-    int best = -1;
+    ivec2 best = ivec2(-1, 1);
     float bestCosine = kCompatible;
     for (int e = leaf.x; e < leaf.x + leaf.y; ++e) {
-        uvec2 bytes = normalAt(e);
-        float cosine = dot(directionValue(bytes.x, bytes.y), n);
-        if (cosine > bestCosine) {
+        uvec4 bytes = normalAt(e);
+        vec3 normal = directionValue(bytes.x, bytes.y);
+        float cosine = dot(normal, n);
+        if (cosine <= kCompatible) continue;
+        int beyond = isBeyondSide(normal, bytes.z, bytes.w, fromMiddle) ? 1 : 0;
+        if (beyond < best.y || (beyond == best.y && cosine > bestCosine)) {
             bestCosine = cosine;
-            best = e;
+            best = ivec2(e, beyond);
         }
     }
     return best;
@@ -96,14 +100,15 @@ SHARED vec4 octreeBlend(vec3 p, vec3 n)
             if (weight <= 0.0f) continue;
             ivec3 leaf = leafAt(cell + corner, level);
             if (leaf.z == kSplitLeaf) isSplit = true;
-            int entry = entryFor(leaf, n);
-            if (entry < 0) continue;
+            ivec2 entry = entryFor(leaf, n, part - vec3(corner));
+            if (entry.x < 0) continue;
             if (leaf.z == kLargeLeaf) {
                 above += weight;
                 continue;
             }
+            if (entry.y == 1) weight *= kBeyondCounts;
             weights += weight;
-            sum += weight * entryValue(entry, n);
+            sum += weight * entryValue(entry.x, n);
         }
         if (weights <= 0.0f) break;
         value = (sum + above * value) / (weights + above);

@@ -58,14 +58,6 @@ Quotient coordinateAt(const ExactSegment& s, int axis, int plane, int across)
     return {sign * over, sign * length * kUnits};
 }
 
-template<class Visit>
-void forCrossingsOf(int axis, const ExactSegment& s, PlaneRange planes, const Visit& visit)
-{
-    if (axis == 0) forCrossings<0>(s.start(), s.end(), planes, visit);
-    if (axis == 1) forCrossings<1>(s.start(), s.end(), planes, visit);
-    if (axis == 2) forCrossings<2>(s.start(), s.end(), planes, visit);
-}
-
 /// The ways of a segment into cells, by cutting it at every half plane and sorting the cuts: slow and plain.
 std::map<std::array<int, 3>, double> piecesByCuts(const ExactSegment& s)
 {
@@ -105,7 +97,7 @@ private Q_SLOTS:
                 const int u = (axis + 1) % 3, v = (axis + 2) % 3;
                 const PlaneRange planes{0, kCells[axis]};
                 std::vector<int> crossed;
-                forCrossingsOf(axis, s, planes, [&](int plane, float atU, float atV) {
+                forCrossings(s.start(), s.end(), axis, planes, [&](int plane, float atU, float atV) {
                     crossed.push_back(plane);
                     const double offU = double(atU) - coordinateAt(s, axis, plane, u).value();
                     const double offV = double(atV) - coordinateAt(s, axis, plane, v).value();

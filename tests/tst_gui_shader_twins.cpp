@@ -119,6 +119,13 @@ const Twin kTwins[] = {
     {"octree position", "vec4(octreePosition(a.xyz, vec3(-2.0, 1.0, 0.5), 0.25), 0.0)",
      [](vec4 a, vec4) { return v4(shader::octreePosition(xyz(a), vec3(-2, 1, 0.5f), 0.25f)); },
      [](dvec4 a, dvec4) { return dvec4((xyz(a) - dvec3(-2, 1, 0.5)) * 4.0, 0); }, -8, 8, false, 2e-6, true},
+    {"side", "vec4(sideDirection(a.xyz, uint(abs(b.w) * 255.0)), 0.0)",
+     [](vec4 a, vec4 b) { return v4(shader::sideDirection(xyz(a), bits(std::abs(b.w) * 255.0f))); },
+     [](dvec4 a, dvec4 b) {
+         const dvec3 n = xyz(a), axis = std::abs(a.x) < double(0.6f) ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
+         const dvec3 t = glm::normalize(glm::cross(axis, n));
+         const double turn = 2.0 * std::acos(-1.0) * bits(double(std::abs(float(b.w)) * 255.0f)) / 256.0;
+         return dvec4(std::cos(turn) * t + std::sin(turn) * glm::cross(n, t), 0); }, -1, 1, true},
     {"octree descent", "vec4(vec3(brickTexel(ivec3(b.xyz), octreeChild(ivec3(a.xyz), int(a.w) / 8, 6))), octreeHolds(ivec3(a.xyz), 5) ? 1.0 : 0.0)",
      [](vec4 a, vec4 b) {
          const glm::ivec3 cell(xyz(a)), texel = shader::brickTexel(glm::ivec3(xyz(b)), shader::octreeChild(cell, int(a.w) / 8, 6));

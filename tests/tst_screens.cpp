@@ -4,6 +4,10 @@
 // a bright one behind it, wherever the lattice lies.
 #include "core/base/sampling.h"
 #include "core/base/units.h"
+#include "core/octree/entry_screens.h"
+#include "core/octree/entry_side.h"
+#include "core/octree/octree_blend.h"
+#include "core/octree/octree_build.h"
 #include "core/octree/octree_solver.h"
 #include "core/photonmap/density.h"
 #include "core/photonmap/screen_finder.h"
@@ -104,9 +108,15 @@ private Q_SLOTS:
         QTest::addColumn<double>("facets");
         QTest::addColumn<double>("off"); // of areas and first moments, of second moments
         QTest::addColumn<double>("offSecond");
-        QTest::addRow("large") << 0.0 << 2e-3 << 2e-3;
-        QTest::addRow("10 cm") << 0.1 << 3e-2 << 8e-2;   // cut one by one; patches, where nothing hides them
-        QTest::addRow("3 cm") << 0.03 << 5e-3 << 1.5e-2; // patches
+        QTest::addColumn<bool>("overlap"); // of what is hidden in all directions with wedges
+        for (const bool overlap : {false, true}) {
+            const auto row = [&](const char* facets) -> QTestData& {
+                return QTest::addRow("%s%s", facets, overlap ? ", overlap" : "");
+            };
+            row("large") << 0.0 << 2e-3 << 2e-3 << overlap;
+            row("10 cm") << 0.1 << 3e-2 << 8e-2 << overlap;   // cut one by one; patches, where nothing hides them
+            row("3 cm") << 0.03 << 5e-3 << 1.5e-2 << overlap; // patches
+        }
     }
     /// Against a fine raster, on a floor: cut facets, whole ones, many radii at once, and a strip of 2 cm along a wall.
     void areaIsWhatIsSeen()
@@ -114,9 +124,11 @@ private Q_SLOTS:
         QFETCH(double, facets);
         QFETCH(double, off);
         QFETCH(double, offSecond);
+        QFETCH(bool, overlap);
         const Ready room(facets > 0.0 ? tiledFloor(float(facets)) : partedRoom(0.2f));
         const glm::dvec3 centre(1.3, 0.0, 1.1);
-        const std::vector<Screen> screens{wedge(0.2f, 0.5f, 0.3f), wedge(2.2f, 0.3f, 0.8f), wedge(-1.5f, 1.0f, 0.02f)};
+        std::vector<Screen> screens{wedge(0.2f, 0.5f, 0.3f), wedge(2.2f, 0.3f, 0.8f), wedge(-1.5f, 1.0f, 0.02f)};
+        if (overlap) screens.push_back(Screen::beyond(wedge(-0.3f, 0.1f, 0.0f).away, 0.2f));
         const std::array<float, 3> radii{0.25f, 0.7f, 1.0f};
         std::array<AreaMoments, 3> moments;
         room.area->under({room.at(centre), kUp, 1.0f, 0.5f, screens}, radii, moments);
@@ -203,6 +215,32 @@ private Q_SLOTS:
         }
     }
 
+    void whatLiesOverAndUnderHidesTheRest() // a table with a thin top
+    {
+        SceneBuilder builder("table");
+        const int white = builder.addMaterial("white", glm::vec3(0.6f));
+        builder.add("Room", boxMesh({0, 0, 0}, {4.0f, 2.8f, 4.0f}, Facing::in), white);
+        builder.add("Top", boxMesh({1.0f, 0.9f, 1.0f}, {3.0f, 0.92f, 3.0f}, Facing::out), white);
+        builder.addPoint("Lamp", {1.5f, 2.0f, 1.5f}, glm::vec3(10.0f));
+        builder.addPoint("Below", {1.5f, 0.3f, 1.5f}, glm::vec3(1.0f));
+        const Ready room(builder.finish());
+        const glm::dvec3 floor(2.0, 0.0, 2.0), top(2.0, 0.92, 2.0), bottom(2.0, 0.9, 2.0);
+        const auto isHiddenAt = [&](glm::dvec3 from, glm::vec3 n, glm::dvec3 at) {
+            return isHidden(room.screensAt(from, n), glm::vec3(at - from));
+        };
+        QVERIFY(isHiddenAt(floor, kUp, top) && isHiddenAt(top, kUp, floor));
+        QVERIFY(isHiddenAt(bottom, -kUp, {2.0, 2.8, 2.0}));
+        for (const double x : {0.2, 0.9, 1.5, 2.5})
+            QVERIFY(!isHiddenAt(floor, kUp, {x, 0.0, 2.0}) && !isHiddenAt(top, kUp, {std::max(x, 1.0), 0.92, 2.0}));
+        const float r = 1.1f; // the floor alone, without the table's top over it
+        const double disc = kPiD * double(r) * double(r);
+        const auto under = [&](Screens screens) {
+            return room.area->under({room.at(floor), kUp, 1.0f, 0.5f, screens}, r);
+        };
+        QVERIFY(std::abs(under(room.screensAt(floor)) / disc - 1.0) < 1e-3 && under({}) / disc > 1.2);
+        QVERIFY(room.screensAt({0.5, 0.0, 0.5}).empty()); // beside the table nothing is hidden
+    }
+
     void doorsAreLookedThrough() // the wall ends at z = 2
     {
         const Ready room(partedRoom(0.2f, true));
@@ -220,8 +258,9 @@ private Q_SLOTS:
         builder.add("Ball", sphereMesh({1.0f, 1.0f, 1.0f}, 0.3f, 48), white);
         builder.addPoint("Lamp", {0.3f, 1.8f, 0.3f}, glm::vec3(10.0f));
         const Ready room(builder.finish());
-        for (const double x : {0.01, 0.4, 1.0, 1.99}) QVERIFY(room.screensAt({x, 0.0, 0.7}).empty());
-        QVERIFY(room.screensAt({1.0, 1.3, 1.0}).empty()); // on the ball
+        for (const double x : {0.01, 0.4, 1.99}) QVERIFY(room.screensAt({x, 0.0, 0.7}).empty());
+        for (const glm::dvec3 at : {glm::dvec3(1.0, 0.0, 1.0), glm::dvec3(1.0, 1.3, 1.0)}) // below the ball and on it
+            QVERIFY(std::ranges::all_of(room.screensAt(at), &Screen::isInAllDirections));
     }
 
     void crampedPlacesStaySane() // boxes at random, with strips, gaps and wedges of all sizes between them
@@ -255,37 +294,90 @@ private Q_SLOTS:
                  qPrintable(QString("%1 of %2 lux, %3").arg(with.first).arg(without.first).arg(with.second)));
     }
 
+    void sidesAreHalfSpaces() // 8 + 8 bits: to .01 cells and .7 degrees
+    {
+        Rng rng(5, 1, 0);
+        int beyond = 0;
+        for (int i = 0; i < 20'000; ++i) {
+            const glm::vec3 n = sampleSphere(rng.uniform(), rng.uniform());
+            const Frame frame(n);
+            const float turn = 2.0f * kPi * rng.uniform(), least = 2.4f * rng.uniform() - 1.2f;
+            const glm::vec3 towards = std::cos(turn) * frame.tangent + std::sin(turn) * frame.bitangent;
+            const OctreeEntry entry{{}, n, 1.0f, packSide(n, towards, least)};
+            QVERIFY(entry.side != 0);
+            const glm::vec3 place = 2.0f * glm::vec3(rng.uniform(), rng.uniform(), rng.uniform()) - 1.0f;
+            const float off = glm::dot(place, towards) - least;
+            const bool is = isBeyond(entry, place);
+            beyond += is ? 1 : 0;
+            if (std::abs(off) > 0.01f + 0.03f * glm::length(place)) QCOMPARE(is, off < 0.0f);
+        }
+        QVERIFY(beyond > 5000 && beyond < 15'000);
+        QCOMPARE(packSide(kUp, {1.0f, 0.0f, 0.0f}, -1.5f), std::uint16_t(0)); // no lookup goes as far
+        QVERIFY(!isBeyond({{}, kUp, 1.0f, 0}, glm::vec3(1.0f)));
+    }
+
+    void thinWallsPartLeaves() // one entry of the floor on each side of a wall that stands within a leaf
+    {
+        const Ready room(partedRoom(0.01f));
+        Workers workers(2);
+        const auto octree = buildOctree(room.scene.scene->bounds, *room.reach, 6, 0.0f, workers, {});
+        QVERIFY(findScreens(*octree, *room.finder, workers, {}));
+        const auto entryAt = [&](double x, double z) -> const OctreeEntry& {
+            const glm::vec3 p = room.at({x, 0.0, z});
+            const glm::vec3 at = (p - octree->lowest) / octree->cellSize();
+            std::int64_t leaf = octree->leafAt(glm::ivec3(glm::floor(at + 0.01f * kUp)));
+            if (leaf < 0) leaf = octree->leafAt(glm::ivec3(glm::floor(at - 0.01f * kUp)));
+            if (leaf < 0) qFatal("no leaf at %g %g", x, z);
+            const EntryThere there = entryFor(*octree, leaf, kUp, at - glm::floor(at) - 0.5f);
+            if (there.isBeyond) qWarning("beyond at %g %g", x, z);
+            return octree->entries[static_cast<std::size_t>(there.entry)];
+        };
+        const float wall = room.at({4.005, 0.0, 0.0}).x;
+        for (double z = 0.1; z < 3.9; z += 0.02) {
+            for (const double off : {0.015, 0.03, 0.06}) {
+                const OctreeEntry &before = entryAt(4.0 - off, z), &behind = entryAt(4.01 + off, z);
+                QVERIFY2(before.centroid.x < wall && behind.centroid.x > wall, qPrintable(QString::number(z)));
+                QVERIFY(before.side != 0 && behind.side != 0);
+            }
+            QCOMPARE(entryAt(3.0, z).side, 0u);
+        }
+    }
+
     void darkRoomsStayDark_data()
     {
-        QTest::addColumn<bool>("hasDoor");
+        QTest::addColumn<int>("room");
         QTest::addColumn<float>("shift");
-        for (const bool hasDoor : {false, true}) {
+        for (int room = 0; room < static_cast<int>(kRooms.size()); ++room) {
+            const auto [thick, hasDoor] = kRooms[static_cast<std::size_t>(room)];
             for (const float shift : {0.0f, 0.25f, 0.5f, 0.75f})
-                QTest::addRow("%s, shift %g", hasDoor ? "door" : "closed", double(shift)) << hasDoor << shift;
+                QTest::addRow("%g cm, %s, shift %g", 100.0 * double(thick), hasDoor ? "door" : "closed", double(shift))
+                    << room << shift;
         }
     }
     void darkRoomsStayDark()
     {
-        QFETCH(bool, hasDoor);
+        QFETCH(int, room);
         QFETCH(float, shift);
-        const Ready room(partedRoom(0.2f, hasDoor));
+        const auto [thick, hasDoor] = kRooms[static_cast<std::size_t>(room)];
+        const Ready parted(partedRoom(thick, hasDoor));
         std::vector<ProbePoint> points;
         std::uint64_t stream = 0;
-        for (const double x : {3.97, 3.9, 4.23, 4.3}) {
+        for (const double x : {3.97, 3.9, 4.03 + double(thick), 4.1 + double(thick)}) {
             for (int i = 0; i < 24; ++i)
-                points.push_back({room.at({x, 0.0, hasDoor ? 0.3 + 0.05 * i : 0.3 + 0.145 * i}), kUp, stream++});
+                points.push_back({parted.at({x, 0.0, hasDoor ? 0.3 + 0.05 * i : 0.3 + 0.145 * i}), kUp, stream++});
         }
         ReferenceJob job;
         job.paths = 1024;
         Workers workers(2);
         const auto truth =
-            referenceIlluminance(*room.scene.rays, *room.scene.lights, {}, points, job, workers, {}).probes;
+            referenceIlluminance(*parted.scene.rays, *parted.scene.lights, {}, points, job, workers, {}).probes;
         const auto means = [&](Switch screens) {
             BakeParams params;
             params.photonCount = 1'000'000, params.octreeFirstDepth = 6;
             params.gridShift = shift, params.gatherScreens = screens;
             OctreeSolver solver;
-            const Baked baked = runSolver(solver, {room.scene.scene, params, {}}, products_[hasDoor]);
+            const Baked baked =
+                runSolver(solver, {parted.scene.scene, params, {}}, products_[static_cast<std::size_t>(room)]);
             std::array<double, 4> ratio{}, lux{}, expected{};
             for (std::size_t i = 0; i < points.size(); ++i) {
                 lux[i / 24] += double(luminance(baked.field->irradiance(points[i].position, kUp))) / 24.0;
@@ -298,12 +390,17 @@ private Q_SLOTS:
         };
         for (const double ratio : means(Switch::on))
             QVERIFY2(std::abs(ratio - 1.0) <= 0.1, qPrintable(QString::number(ratio)));
-        if (hasDoor || shift > 0.0f) return;
+        if (room != 0 || shift > 0.0f) return;
         QVERIFY(std::abs(means(Switch::off)[2] - 1.0) > 0.1); // what this is all about
     }
 
 private:
-    std::array<BakeProducts, 2> products_; // photons are shot once
+    struct Parted {
+        float thick; // metres; cells have 13 cm
+        bool hasDoor;
+    };
+    static constexpr std::array<Parted, 4> kRooms{{{0.2f, false}, {0.2f, true}, {0.05f, false}, {0.001f, false}}};
+    std::array<BakeProducts, kRooms.size()> products_; // photons are shot once
 };
 
 QTEST_GUILESS_MAIN(TestScreens)

@@ -61,7 +61,7 @@ MixedLights mixAll(const LightOctree& octree, const GpuOctree& gpu)
 struct EntryOrder {
     std::vector<std::vector<std::uint32_t>> firstEntry; ///< by level and leaf
     std::vector<std::size_t> entries;                   ///< by number: its place among MixedLights
-    std::vector<glm::vec3> normals;                     ///< by number
+    std::vector<OctreeEntry> surfaces;                  ///< by number
     std::array<int, 9> classEnds{};
     std::uint64_t texels = 0;
 };
@@ -90,7 +90,7 @@ EntryOrder orderEntries(const LightOctree& octree, const MixedLights& mixed)
                 order.firstEntry[level][i] = static_cast<std::uint32_t>(order.entries.size());
                 for (std::uint32_t e = g.firstEntry[i]; e < g.firstEntry[i + 1]; ++e) {
                     order.entries.push_back(levelFirst + e);
-                    order.normals.push_back(g.entries[e].normal);
+                    order.surfaces.push_back(g.entries[e]);
                 }
             }
             levelFirst += g.entries.size();
@@ -230,8 +230,8 @@ void packVdls(const MixedLights& mixed, const EntryOrder& order, GpuOctree& gpu)
             const Vdl& vdl = mixed.vdls[i];
             const std::uint16_t direction = gpu.hasDirections ? packDirection(vdl.toLight) : std::uint16_t(0);
             // the rounded direction meets the surface at another angle: keep what it gives on the entry's own normal
-            const float was = glm::dot(vdl.toLight, order.normals[number]),
-                        is = glm::dot(unpackDirection(direction), order.normals[number]);
+            const glm::vec3 n = order.surfaces[number].normal;
+            const float was = glm::dot(vdl.toLight, n), is = glm::dot(unpackDirection(direction), n);
             const float keep = gpu.hasDirections && was > kLeastCosine && is > kLeastCosine ? was / is : 1.0f;
             const glm::vec3 colour = vdl.colour * (keep / gpu.colourScale);
             const std::array texel{imath_float_to_half(colour.x), imath_float_to_half(colour.y),
@@ -243,13 +243,13 @@ void packVdls(const MixedLights& mixed, const EntryOrder& order, GpuOctree& gpu)
     }
 }
 
-void packNormals(const std::vector<glm::vec3>& normals, GpuOctree& gpu)
+void packNormals(const std::vector<OctreeEntry>& surfaces, GpuOctree& gpu)
 {
-    gpu.normals.assign(2 * static_cast<std::size_t>(gpu.normalWidth) * static_cast<std::size_t>(gpu.normalHeight), 0);
-    for (std::size_t e = 0; e < normals.size(); ++e) {
-        const std::uint16_t packed = packDirection(normals[e]);
-        gpu.normals[2 * e] = static_cast<std::uint8_t>(packed >> 8);
-        gpu.normals[2 * e + 1] = static_cast<std::uint8_t>(packed & 255);
+    gpu.normals.assign(4 * static_cast<std::size_t>(gpu.normalWidth) * static_cast<std::size_t>(gpu.normalHeight), 0);
+    auto out = gpu.normals.begin();
+    for (const OctreeEntry& surface : surfaces) {
+        for (const std::uint32_t bytes : {std::uint32_t(packDirection(surface.normal)), surface.side})
+            *out++ = static_cast<std::uint8_t>(bytes >> 8), *out++ = static_cast<std::uint8_t>(bytes & 255);
     }
 }
 
@@ -326,7 +326,7 @@ Result<GpuOctree> makeGpuOctree(const LightOctree& octree)
     shape(gpu.entryCount, gpu.normalWidth, gpu.normalHeight);
     layOutBricks(built, gpu);
     packVdls(mixed, order, gpu);
-    packNormals(order.normals, gpu);
+    packNormals(order.surfaces, gpu);
     return gpu;
 }
 

@@ -19,8 +19,8 @@ namespace lightloom {
 /// are ordered by the lights of their leaf: first come classEnds[0] without, up to classEnds[1] those with one light
 /// each, and so on; their texels in `vdls` stand one after the other, texel `number` at (number % vdlWidth,
 /// number / vdlWidth), black ones last within an entry (RGBA16UI: colour as half floats, times `colourScale` gives lux;
-/// direction in the fourth as theta 8 bits high, phi 8 bits low). Entry e has one texel in `normals` (RG8UI: theta,
-/// phi), at (e % normalWidth, e / normalWidth).
+/// direction in the fourth as theta 8 bits high, phi 8 bits low). Entry e has one texel in `normals` (RGBA8UI: theta,
+/// phi; the two bytes of its side, see entry_side.h), at (e % normalWidth, e / normalWidth).
 ///
 /// A colour octree (OctreeShow::colour) has one texel per entry, its accumulated illuminance, and no directions.
 struct GpuOctree {
@@ -36,7 +36,7 @@ struct GpuOctree {
     int vdlWidth = 1, vdlHeight = 1, normalWidth = 1, normalHeight = 1;
     std::vector<std::uint8_t> bricks;  ///< 4 * 8 side.x side.y side.z
     std::vector<std::uint16_t> vdls;   ///< 4 * vdlWidth * vdlHeight
-    std::vector<std::uint8_t> normals; ///< 2 * normalWidth * normalHeight
+    std::vector<std::uint8_t> normals; ///< 4 * normalWidth * normalHeight
     std::uint64_t leafCount = 0, entryCount = 0;
     [[nodiscard]] std::size_t memoryBytes() const { return bricks.size() + 2 * vdls.size() + normals.size(); }
 };

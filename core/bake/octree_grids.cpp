@@ -17,6 +17,7 @@ std::string prefixOf(int depth, const std::string& group) { return fmt::format("
 std::string normalName(std::uint32_t e) { return fmt::format("geometry/normal/{}", e); }
 std::string centroidName(std::uint32_t e) { return fmt::format("geometry/centroid/{}", e); }
 std::string areaName(std::uint32_t e) { return fmt::format("geometry/area/{}", e); }
+std::string sideName(std::uint32_t e) { return fmt::format("geometry/side/{}", e); }
 std::string scalarName(const std::string& group, std::uint32_t e) { return fmt::format("{}/scalar/{}", group, e); }
 std::string noiseName(const std::string& group, std::uint32_t e) { return fmt::format("{}/noise/{}", group, e); }
 std::string vdlName(const std::string& group, const char* quantity, std::uint32_t e, std::size_t slot)
@@ -59,6 +60,9 @@ public:
             grid(normalName(e), e, [&](std::uint32_t n) { return geometry_.entries[n].normal; });
             grid(centroidName(e), e, [&](std::uint32_t n) { return geometry_.entries[n].centroid; });
             grid(areaName(e), e, [&](std::uint32_t n) { return geometry_.entries[n].area; });
+            const auto side = [&](std::uint32_t n) { return static_cast<float>(geometry_.entries[n].side); };
+            if (std::ranges::any_of(slots_[e].entries, [&](std::uint32_t n) { return side(n) > 0.0f; }))
+                grid(sideName(e), e, side);
         }
     }
 
@@ -214,6 +218,11 @@ private:
             vectors(normalName(e), e, [&](std::size_t n, glm::vec3 v) { g.entries[n].normal = v; });
             vectors(centroidName(e), e, [&](std::size_t n, glm::vec3 v) { g.entries[n].centroid = v; });
             numbers(areaName(e), e, [&](std::size_t n, float v) { g.entries[n].area = v; });
+            if (!file_.contains(prefix_ + sideName(e))) continue;
+            numbers(sideName(e), e, [&](std::size_t n, float v) {
+                if (!(v >= 0.0f && v < 65536.0f)) throw std::runtime_error("a side that is none");
+                g.entries[n].side = static_cast<std::uint32_t>(v);
+            });
         }
     }
 

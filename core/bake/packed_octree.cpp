@@ -29,10 +29,10 @@ struct OctreeArrays {
         const std::uint16_t* t = arrays.vdls.data() + 4 * static_cast<std::size_t>(number);
         return {t[0], t[1], t[2], t[3]};
     }
-    [[nodiscard]] uvec2 normalAt(int entry) const
+    [[nodiscard]] uvec4 normalAt(int entry) const
     {
-        const std::uint8_t* t = arrays.normals.data() + 2 * static_cast<std::size_t>(entry);
-        return {t[0], t[1]};
+        const std::uint8_t* t = arrays.normals.data() + 4 * static_cast<std::size_t>(entry);
+        return {t[0], t[1], t[2], t[3]};
     }
 
     [[nodiscard]] int classEnd(int lights) const { return arrays.classEnds[static_cast<std::size_t>(lights)]; }

@@ -21,9 +21,7 @@ struct alignas(64) Slot {
 };
 using Totals = std::array<double, kSummed>;
 
-/// Of slots that a thread works on at a time. Half as much costs a tenth more, since each slab looks at all segments;
-/// all of an axis leaves two threads with three pieces of work.
-constexpr std::size_t kSlabBytes = 1 << 21;
+constexpr std::size_t kSlabBytes = 1 << 20; ///< of slots that a thread works on at a time: they stay in its cache
 
 /// A segment in grid coordinates.
 struct GridSegment {
@@ -124,39 +122,23 @@ struct GridDeposit::Sums {
 
     std::uint64_t cross(const SegmentList& list, const Slab& slab)
     {
-        return slab.axis == 0   ? crossAlong<0>(list, slab.planes)
-               : slab.axis == 1 ? crossAlong<1>(list, slab.planes)
-                                : crossAlong<2>(list, slab.planes);
-    }
-
-    template<int kAxis>
-    std::uint64_t crossAlong(const SegmentList& list, PlaneRange slab)
-    {
-        const std::vector<ShortRange>& crossed = list.crossed[kAxis];
-        // whether a segment meets the slab is as good as random: listed without a branch first
-        thread_local std::vector<std::uint32_t> met;
-        met.resize(crossed.size() + 1);
-        std::size_t count = 0;
+        std::uint64_t count = 0;
+        const std::vector<ShortRange>& crossed = list.crossed[static_cast<std::size_t>(slab.axis)];
         for (std::size_t i = 0; i < crossed.size(); ++i) {
-            met[count] = static_cast<std::uint32_t>(i);
-            count += (crossed[i].first <= slab.last) & (crossed[i].last >= slab.first) ? 1 : 0;
+            const PlaneRange planes = crossed[i].within(slab.planes);
+            if (planes.first <= planes.last) count += cross(list.segments[i], slab.axis, planes);
         }
-        std::uint64_t deposited = 0;
-        for (std::size_t k = 0; k < count; ++k)
-            deposited += crossOne<kAxis>(list.segments[met[k]], crossed[met[k]].within(slab));
-        return deposited;
+        return count;
     }
 
-    /// The axis is known when this is compiled: what is read then stays in registers.
-    template<int kAxis>
-    std::uint64_t crossOne(const GridSegment& s, PlaneRange planes)
+    std::uint64_t cross(const GridSegment& s, int axis, PlaneRange planes)
     {
-        constexpr int axis = kAxis, u = (axis + 1) % 3, v = (axis + 2) % 3;
+        const int u = (axis + 1) % 3, v = (axis + 2) % 3;
         glm::vec3 w = s.toLight;
         const float along = std::abs(w[axis]), light = luminance(s.flux);
         float square = light * along;
         if (estimator == GridEstimator::crossings) {
-            w *= 1.0f / std::max(along, kLeastCosine);
+            w /= std::max(along, kLeastCosine);
             w[axis] = std::copysign(1.0f, w[axis]);
             square = light;
         }
@@ -166,7 +148,7 @@ struct GridDeposit::Sums {
         const auto rowU = std::size_t(lattice().cells[u] + 1), rowV = std::size_t(lattice().cells[v] + 1);
         Slot* const first = slots.data() + 2 * std::size_t(axis) * lattice().vertexCount() + std::size_t(side);
         std::uint64_t count = 0;
-        forPlanes<axis>(s.from, s.to, planes, [&](int plane, float atU, float atV) {
+        forPlanes(s.from, s.to, axis, planes, [&](int plane, float atU, float atV) {
             if (!s.isInside && !(atU >= 0.0f && atU <= mostU && atV >= 0.0f && atV <= mostV)) return;
             const int i = static_cast<int>(atU + 0.5f), j = static_cast<int>(atV + 0.5f);
             Slot& slot = first[2 * ((std::size_t(plane) * rowV + std::size_t(j)) * rowU + std::size_t(i))];

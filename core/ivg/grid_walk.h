@@ -26,13 +26,13 @@ struct PlaneRange {
     return {static_cast<int>(first), static_cast<int>(last)};
 }
 
-/// Calls visit(plane, u, v) for `planes` of an axis, rising, which the segment crosses; (u, v) are coordinates along
+/// Calls visit(plane, u, v) for `planes` of `axis`, rising, which the segment crosses; (u, v) are coordinates along
 /// axes axis + 1 and axis + 2, which may lie outside the grid. Planes of one axis do not depend on those of the others,
 /// so there is no order to keep between them.
-template<int axis, class Visit>
-inline void forPlanes(const glm::vec3& from, const glm::vec3& to, PlaneRange planes, const Visit& visit)
+template<class Visit>
+inline void forPlanes(const glm::vec3& from, const glm::vec3& to, int axis, PlaneRange planes, const Visit& visit)
 {
-    constexpr int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
     const float perPlane = 1.0f / (to[axis] - from[axis]);
     const float du = (to[u] - from[u]) * perPlane, dv = (to[v] - from[v]) * perPlane;
     for (int plane = planes.first; plane <= planes.last; ++plane) {
@@ -42,11 +42,11 @@ inline void forPlanes(const glm::vec3& from, const glm::vec3& to, PlaneRange pla
 }
 
 /// The same for those of `planes` that the segment crosses, each once.
-template<int axis, class Visit>
-inline void forCrossings(const glm::vec3& from, const glm::vec3& to, PlaneRange planes, const Visit& visit)
+template<class Visit>
+inline void forCrossings(const glm::vec3& from, const glm::vec3& to, int axis, PlaneRange planes, const Visit& visit)
 {
     const PlaneRange crossed = crossedPlanes(from[axis], to[axis]).within(planes);
-    if (crossed.first <= crossed.last) forPlanes<axis>(from, to, crossed, visit);
+    if (crossed.first <= crossed.last) forPlanes(from, to, axis, crossed, visit);
 }
 
 /// Calls visit(vertex, begin, share) for the cells around vertices (from half a cell before to half a cell behind, cut

@@ -23,15 +23,12 @@ std::int64_t leafNear(const OctreeGeometry& geometry, glm::vec3 p, glm::vec3 n)
     return -1;
 }
 
-int answering(const std::vector<PickedEntry>& entries, glm::vec3 n)
+/// Number of the entry among those of its leaf, or -1.
+int answering(const OctreeGeometry& geometry, std::int64_t leaf, const LeafPick& pick)
 {
-    int best = -1;
-    float bestCosine = kCompatibleCosine;
-    for (std::size_t e = 0; e < entries.size(); ++e) {
-        const float cosine = glm::dot(entries[e].surface.normal, n);
-        if (cosine > bestCosine) bestCosine = cosine, best = static_cast<int>(e);
-    }
-    return best;
+    const glm::vec3 fromMiddle = (pick.point - 0.5f * (pick.low + pick.high)) / geometry.cellSize();
+    const std::int64_t entry = entryFor(geometry, leaf, pick.normal, fromMiddle).entry;
+    return entry < 0 ? -1 : static_cast<int>(entry - geometry.firstEntry[static_cast<std::size_t>(leaf)]);
 }
 
 } // namespace
@@ -67,7 +64,7 @@ std::optional<LeafPick> pickLeaf(const LightOctree& octree, glm::vec3 p, glm::ve
         }
         pick.entries.push_back(std::move(entry));
     }
-    pick.answers = answering(pick.entries, n);
+    pick.answers = answering(geometry, found, pick);
     pick.isLit = octree.lookup(p, n, pick.lux);
     return pick;
 }
@@ -90,8 +87,10 @@ std::vector<glm::vec3> gatheredPhotons(const LightOctree& octree, const LeafPick
     // where this lamp's light does not call for a leaf as deep, what stands above
     const OctreeGeometry& from = *own(depth);
     const std::int64_t at = from.leafAt(cell);
-    const std::int64_t entryThere =
-        at < 0 ? -1 : entryFor(from, at, leaf.entries[static_cast<std::size_t>(entry)].surface.normal);
+    if (at < 0) return {};
+    const OctreeEntry& asked = leaf.entries[static_cast<std::size_t>(entry)].surface;
+    const glm::vec3 middle = whole.lowest + (glm::vec3(cell) + 0.5f) * from.cellSize();
+    const std::int64_t entryThere = entryFor(from, at, asked.normal, (asked.centroid - middle) / from.cellSize()).entry;
     if (entryThere < 0) return {};
     OctreeGeometry alone{depth, whole.lowest, whole.rootSize, {mortonCode(glm::uvec3(cell))}, {0, 1}, {}, {}, {}};
     alone.take(from, static_cast<std::size_t>(entryThere));

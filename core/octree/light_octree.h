@@ -11,9 +11,10 @@ namespace lightloom {
 
 /// One orientation of the surface inside a leaf cell: what a VDL set is fitted to.
 struct OctreeEntry {
-    glm::vec3 centroid; ///< of the surface inside the cell, scene space
-    glm::vec3 normal;   ///< area-weighted mean, unit
-    float area;         ///< m2
+    glm::vec3 centroid;     ///< of the surface inside the cell, scene space
+    glm::vec3 normal;       ///< area-weighted mean, unit
+    float area;             ///< m2
+    std::uint32_t side = 0; ///< 16 bits: of a wall that parts the surface near it; 0: none. See entry_side.h
 };
 
 /// Leaves of a geometric octree of one depth: cells that a triangle really crosses, each with one entry per

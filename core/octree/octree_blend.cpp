@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/octree/octree_blend.h"
+#include "core/octree/entry_side.h"
+#include "shaders/common.h"
 
 namespace lightloom {
 namespace {
@@ -17,10 +19,13 @@ bool isAnsweredAbove(const OctreeGeometry& base, const LampDetail& detail, std::
     }
 }
 
-void add(Answers& answers, const OctreeGeometry& geometry, std::int64_t leaf, float weight, glm::vec3 n)
+/// Of corner number `i`.
+void add(Answers& answers, const OctreeGeometry& geometry, std::int64_t leaf, const Corners& corners, std::size_t i,
+         glm::vec3 n)
 {
-    const std::int64_t entry = entryFor(geometry, leaf, n);
+    const auto [entry, isBeyond] = entryFor(geometry, leaf, n, corners.at - glm::vec3(corners.cells[i]));
     if (entry < 0) return;
+    const float weight = isBeyond ? shader::kBeyondCounts * corners.weights[i] : corners.weights[i];
     answers.entries[static_cast<std::size_t>(answers.count)] = static_cast<std::size_t>(entry);
     answers.weights[static_cast<std::size_t>(answers.count)] = weight;
     ++answers.count;
@@ -41,6 +46,21 @@ std::int64_t entryFor(const OctreeGeometry& geometry, std::int64_t leaf, glm::ve
     return best;
 }
 
+EntryThere entryFor(const OctreeGeometry& geometry, std::int64_t leaf, glm::vec3 n, glm::vec3 fromMiddle)
+{
+    EntryThere best;
+    float bestCosine = kCompatibleCosine;
+    const auto i = static_cast<std::size_t>(leaf);
+    for (std::uint32_t e = geometry.firstEntry[i]; e < geometry.firstEntry[i + 1]; ++e) {
+        const float cosine = glm::dot(geometry.entries[e].normal, n);
+        if (cosine <= kCompatibleCosine) continue;
+        const bool beyond = isBeyond(geometry.entries[e], fromMiddle);
+        if (beyond < best.isBeyond || (beyond == best.isBeyond && cosine > bestCosine))
+            bestCosine = cosine, best = {e, beyond};
+    }
+    return best;
+}
+
 Corners cornersAround(const OctreeGeometry& lattice, glm::vec3 p)
 {
     Corners corners;
@@ -48,6 +68,7 @@ Corners cornersAround(const OctreeGeometry& lattice, glm::vec3 p)
     const glm::vec3 base = glm::floor(at), part = at - base;
     // far outside the lattice (or NaN) no neighbour exists, and a cast to int would overflow
     if (!(glm::length(base) < 4e6f)) return corners;
+    corners.at = at;
     const glm::ivec3 cell(base);
     for (int i = 0; i < 8; ++i) {
         const glm::ivec3 step(i & 1, i >> 1 & 1, i >> 2 & 1);
@@ -67,7 +88,7 @@ Answers answersAround(const OctreeGeometry& geometry, glm::vec3 p, glm::vec3 n)
     const Corners corners = cornersAround(geometry, p);
     for (std::size_t i = 0; i < static_cast<std::size_t>(corners.count); ++i) {
         const std::int64_t leaf = geometry.leafAt(corners.cells[i]);
-        if (leaf >= 0) add(answers, geometry, leaf, corners.weights[i], n);
+        if (leaf >= 0) add(answers, geometry, leaf, corners, i, n);
     }
     return answers;
 }
@@ -80,7 +101,7 @@ Answers answersAround(const OctreeGeometry& base, const LampDetail& detail, std:
     for (std::size_t i = 0; i < static_cast<std::size_t>(corners.count); ++i) {
         const std::int64_t leaf = geometry.leafAt(corners.cells[i]);
         if (leaf >= 0) {
-            add(answers, geometry, leaf, corners.weights[i], n);
+            add(answers, geometry, leaf, corners, i, n);
         } else if (isAnsweredAbove(base, detail, level, corners.cells[i], n)) {
             answers.above += corners.weights[i];
         }

@@ -8,11 +8,19 @@ namespace lightloom {
 /// Entry of a leaf whose normal is nearest `n`, or -1 where none is compatible.
 [[nodiscard]] std::int64_t entryFor(const OctreeGeometry& geometry, std::int64_t leaf, glm::vec3 n);
 
+/// The same for a place, in cells from the leaf's middle: an entry on its side of a wall, if there is one.
+struct EntryThere {
+    std::int64_t entry = -1;
+    bool isBeyond = true; ///< the entry's wall
+};
+[[nodiscard]] EntryThere entryFor(const OctreeGeometry& geometry, std::int64_t leaf, glm::vec3 n, glm::vec3 fromMiddle);
+
 /// The cells whose centres lie around a point, and their trilinear weights; none where the point is far off (or NaN).
 struct Corners {
     std::array<glm::ivec3, 8> cells{};
     std::array<float, 8> weights{}; ///< positive
     int count = 0;
+    glm::vec3 at{0.0f}; ///< the point, in cells: less the number of a cell, from that cell's middle
 };
 [[nodiscard]] Corners cornersAround(const OctreeGeometry& lattice, glm::vec3 p);
 

@@ -35,7 +35,7 @@ struct BakeParams {
     std::uint64_t seed = 1;
     int photonCount = 400'000;
     int pathDepth = 1024;
-    int gatherCount = 300;
+    int gatherCount = 500;
     float gatherRadius = 0.0f;
     GatherKernel gatherKernel = GatherKernel::sphere;
     GatherArea gatherArea = GatherArea::surface;
@@ -148,7 +148,7 @@ inline constexpr std::array kParams{
     ParamSpec{"gather.count", "Photons gathered (K)", "", 1, 100'000, 50, kForGathers, Stage::fit, &BakeParams::gatherCount, {},
               "More photons: less noise, more blur, longer gather."},
     ParamSpec{"gather.radius", "Largest gather radius", "leaf widths", 0, 64, 0.5, kForGathers, Stage::fit, &BakeParams::gatherRadius, {},
-              "Cap on the gather kernel. 0: automatic, three times the radius that K photons fill where they lie evenly."},
+              "Cap on the gather kernel. 0: automatic, twice the radius that K photons fill where they lie evenly."},
     ParamSpec{"gather.kernel", "Gather kernel", "", 0, 1, 1, kForOctree, Stage::fit, &BakeParams::gatherKernel, kKernelNames,
               "Region photons are taken from: a sphere, or the paper's ellipsoid flattened along the leaf's normal."},
     ParamSpec{"gather.area", "Area divided by", "", 0, 1, 1, kForGathers, Stage::fit, &BakeParams::gatherArea, kAreaNames,

@@ -11,6 +11,10 @@
 
 namespace lightloom {
 
+namespace {
+constexpr double kWidest = 2.0; ///< radii that K photons fill where they lie evenly
+}
+
 DensityKernel DensityKernel::of(const BakeParams& params, const PhotonMap& map, const SurfaceArea& area, float cellSize)
 {
     DensityKernel kernel;
@@ -27,7 +31,7 @@ DensityKernel DensityKernel::of(const BakeParams& params, const PhotonMap& map, 
     } else {
         const double photons = std::max<double>(1.0, static_cast<double>(map.size()));
         const double even = std::sqrt(kernel.count * area.total() / (std::numbers::pi * photons));
-        kernel.cap = static_cast<float>(std::max(3.0 * even, static_cast<double>(cellSize)));
+        kernel.cap = static_cast<float>(std::max(kWidest * even, static_cast<double>(cellSize)));
     }
     return kernel;
 }

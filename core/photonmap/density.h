@@ -17,7 +17,7 @@ struct DensityKernel {
     GatherFit fit = GatherFit::plane;
     bool adapts = true; ///< K is the most; fewer where light changes within the kernel
 
-    /// From the parameters: the cap is `gather.radius` cells, or automatic: three times the radius that K of the
+    /// From the parameters: the cap is `gather.radius` cells, or automatic: twice the radius that K of the
     /// group's photons would fill if they lay evenly over all of the reached surface. A dark room then loses some
     /// photons of its K rather than the shape of its light.
     static DensityKernel of(const BakeParams& params, const PhotonMap& map, const SurfaceArea& area, float cellSize);

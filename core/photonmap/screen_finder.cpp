@@ -9,8 +9,9 @@ namespace lightloom {
 namespace {
 
 constexpr float kSameSurface = 0.5f; ///< cosine above which a hit is the surface itself, as gathers take it
-constexpr float kSlack = 0.1f;       ///< of the height: surface that far behind a wall's plane is still before it
+constexpr float kSlack = 0.01f;      ///< of the height: surface that far behind a wall's plane is still before it
 constexpr float kGrazing = 0.05f;    ///< cosine to a wall's normal at which a wedge has to end
+constexpr float kNearest = 4.0f;     ///< heights, of what hides all beyond: within a cell the surface may bend
 constexpr float kTurn = 2.0f * kPi / 16.0f;
 
 glm::vec3 direction(const Frame& frame, float turns)
@@ -100,6 +101,21 @@ bool ScreenFinder::lookAround(glm::vec3 from, const Frame& frame, std::array<Sig
     return dark < kDirections / 2; // in a wall some ways may lead to a side that is reached elsewhere
 }
 
+void ScreenFinder::addSlab(glm::vec3 p, glm::vec3 n, float height, float radius, std::vector<Screen>& out) const
+{
+    const auto add = [&](glm::vec3 away, float behind) {
+        const Screen screen = Screen::beyond(away, std::max(behind, kNearest * height));
+        if (isAnyHidden(screen, p, n, radius)) out.push_back(screen);
+    };
+    Hit over, ground, under;
+    const glm::vec3 above = lifted(p, n, height);
+    if (rays_.intersect(above, n, radius, over)) add(n, glm::dot(n, over.position - p));
+    if (!rays_.intersect(above, -n, radius, ground)) return;
+    if (!rays_.intersect(rays_.leave(ground.position, -n), -n, radius, under)) return;
+    // the back of a solid, or what a sheet lies over
+    add(-n, glm::dot(n, p - ground.position) + (under.isFront ? 0.5f : 1.0f) * under.distance);
+}
+
 bool ScreenFinder::find(glm::vec3 p, glm::vec3 n, float height, float radius, std::vector<Screen>& out) const
 {
     const Frame frame(n);
@@ -126,20 +142,31 @@ bool ScreenFinder::find(glm::vec3 p, glm::vec3 n, float height, float radius, st
         screen.away = wall.away;
         screen.behind = wall.behind + glm::dot(wall.away, from - p) + slack;
         screen.sides = {glm::cross(n, towards(begins)), glm::cross(towards(ends), n)};
-        if (area_.isAnyHidden({p, n, 1.0f, kSameSurface, Screens(&screen, 1)}, radius)) out.push_back(screen);
+        if (isAnyHidden(screen, p, n, radius)) out.push_back(screen);
     }
+    addSlab(p, n, height, radius, out);
     return true;
 }
 
-std::optional<glm::vec3> ScreenFinder::seenPlace(glm::vec3 p, glm::vec3 n, float height,
-                                                 const BoxGroups::Box& within) const
+bool ScreenFinder::isAnyHidden(const Screen& screen, glm::vec3 p, glm::vec3 n, float radius) const
+{
+    return area_.isAnyHidden({p, n, 1.0f, kSameSurface, Screens(&screen, 1)}, radius);
+}
+
+float ScreenFinder::thicknessOf(glm::vec3 p, glm::vec3 n, float height, glm::vec3 travel, float far, float most) const
+{
+    Hit face, back;
+    if (!rays_.intersect(lifted(p, n, height), travel, far, face)) return 0.0f;
+    const glm::vec3 inside = rays_.leave(face.position, -face.facing());
+    return rays_.intersect(inside, travel, most, back) && !back.isFront ? back.distance : 0.0f;
+}
+
+std::vector<ScreenFinder::Place> ScreenFinder::seenPlaces(glm::vec3 p, glm::vec3 n, float height,
+                                                          const BoxGroups::Box& within) const
 {
     constexpr int kSteps = 8; // a raster over the plane, wide enough for any turn of it
     const Frame frame(n);
     const float step = 2.0f * glm::compMax(within.high - within.low) / static_cast<float>(kSteps);
-    struct Place {
-        glm::vec3 on, above;
-    };
     std::vector<Place> seen;
     for (int i = 0; i < kSteps * kSteps; ++i) {
         const float x = static_cast<float>(i % kSteps) - 0.5f * kSteps + 0.5f;
@@ -153,23 +180,32 @@ std::optional<glm::vec3> ScreenFinder::seenPlace(glm::vec3 p, glm::vec3 n, float
         std::array<Sight, kDirections> sights;
         if (lookAround(above, frame, sights)) seen.push_back({hit.position, above});
     }
-    const auto together = [&](const Place& a) {
-        std::vector<glm::vec3> others;
-        for (const Place& b : seen) {
-            if (!rays_.isBlocked(a.above, b.above)) others.push_back(b.on);
+    return seen;
+}
+
+std::vector<ScreenFinder::SeenPart> ScreenFinder::seenParts(glm::vec3 p, glm::vec3 n, float height,
+                                                            const BoxGroups::Box& within) const
+{
+    std::vector<Place> left = seenPlaces(p, n, height, within);
+    std::vector<SeenPart> parts;
+    while (!left.empty()) {
+        std::vector<Place> part{left.back()}; // and whatever sees one of its places
+        left.pop_back();
+        for (std::size_t i = 0; i < part.size(); ++i) {
+            const auto joins = std::ranges::stable_partition(
+                left, [&](const Place& other) { return rays_.isBlocked(part[i].above, other.above); });
+            part.insert(part.end(), joins.begin(), joins.end());
+            left.erase(joins.begin(), joins.end());
         }
-        return others;
-    };
-    std::vector<glm::vec3> part;
-    for (const Place& place : seen) {
-        std::vector<glm::vec3> some = together(place);
-        if (some.size() > part.size()) part = std::move(some);
+        glm::vec3 sum(0.0f);
+        for (const Place& place : part) sum += place.on;
+        const glm::vec3 mean = sum / static_cast<float>(part.size());
+        const Place middle =
+            *std::ranges::min_element(part, {}, [&](const Place& place) { return glm::distance(place.on, mean); });
+        parts.push_back({middle.on, part.size()});
     }
-    if (part.empty()) return std::nullopt;
-    glm::vec3 sum(0.0f);
-    for (const glm::vec3 q : part) sum += q;
-    const glm::vec3 mean = sum / static_cast<float>(part.size());
-    return *std::ranges::min_element(part, {}, [&](glm::vec3 q) { return glm::distance(q, mean); });
+    std::ranges::stable_sort(parts, std::ranges::greater(), &SeenPart::size);
+    return parts;
 }
 
 } // namespace lightloom

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/photonmap/screens.h"
-#include <algorithm>
 
 namespace lightloom {
 
@@ -17,14 +16,19 @@ Screen::Part Screen::partOf(const std::array<glm::vec3, 3>& corners) const
     return isWhole ? Part::all : Part::some;
 }
 
-HiddenPart::HiddenPart(const Screen& screen, const std::array<glm::dvec3, 3>& corners) : count_(3)
+void FacetPart::keepHidden(const Screen& screen)
 {
-    std::ranges::copy(corners, points_.begin());
     keepAbove(glm::dvec3(screen.away), static_cast<double>(screen.behind));
+    if (screen.isInAllDirections()) return;
     for (const glm::vec3 side : screen.sides) keepAbove(glm::dvec3(side), 0.0);
 }
 
-void HiddenPart::keepAbove(glm::dvec3 normal, double least)
+void FacetPart::dropBeyond(const Screen& screen)
+{
+    keepAbove(-glm::dvec3(screen.away), -static_cast<double>(screen.behind));
+}
+
+void FacetPart::keepAbove(glm::dvec3 normal, double least)
 {
     const std::array<glm::dvec3, kMost> from = points_;
     const std::size_t count = count_;

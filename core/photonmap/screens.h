@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -10,8 +11,11 @@ namespace lightloom {
 
 /// A wall as a gather kernel's centre sees it: what lies within a wedge of directions and behind the wall's plane is on
 /// the far side, and its light says nothing of this one. A point is hidden that is on the inner side of both `sides`
-/// and further than `behind` along `away`. All from the kernel's centre, scene space.
+/// and further than `behind` along `away`. All from the kernel's centre, scene space. Wedges of walls do not overlap;
+/// what is hidden in all directions (`beyond`) may overlap with them.
 struct Screen {
+    static Screen beyond(glm::vec3 away, float behind) { return {{away, away}, away, behind}; }
+    [[nodiscard]] bool isInAllDirections() const { return sides[0] == away; }
     std::array<glm::vec3, 2> sides; ///< normals of planes through the centre, pointing into the wedge
     glm::vec3 away;                 ///< unit: normal of the wall, away from the centre
     float behind = 0.0f;            ///< metres along `away` from the centre
@@ -43,17 +47,21 @@ using Screens = std::span<const Screen>;
     return false;
 }
 
-/// The part of a triangle (corners from the kernel's centre) that a screen hides: a convex polygon, in the same order.
-class HiddenPart {
+/// A part of a triangle (corners from the kernel's centre): a convex polygon, in the same order.
+class FacetPart {
 public:
-    HiddenPart(const Screen& screen, const std::array<glm::dvec3, 3>& corners);
+    explicit FacetPart(const std::array<glm::dvec3, 3>& corners) { std::ranges::copy(corners, points_.begin()); }
+    /// What the screen hides stays.
+    void keepHidden(const Screen& screen);
+    /// What a screen in all directions hides goes.
+    void dropBeyond(const Screen& screen);
     [[nodiscard]] std::span<const glm::dvec3> corners() const { return std::span(points_).first(count_); }
 
 private:
     void keepAbove(glm::dvec3 normal, double least);
     static constexpr std::size_t kMost = 12; // a triangle gains a corner a cut; more by rounding
     std::array<glm::dvec3, kMost> points_;
-    std::size_t count_ = 0;
+    std::size_t count_ = 3;
 };
 
 } // namespace lightloom

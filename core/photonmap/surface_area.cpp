@@ -34,12 +34,11 @@ public:
 
     void add(const ReachedFacet& f) { add(fromCentre(f, centre_), 1.0); }
 
-    /// Takes off what the screen hides of a facet.
-    void hide(const ReachedFacet& f, const Screen& screen)
+    /// Counted `times`.
+    void add(const FacetPart& part, double times)
     {
-        const HiddenPart hidden(screen, fromCentre(f, centre_));
-        const std::span<const glm::dvec3> corners = hidden.corners();
-        for (std::size_t i = 2; i < corners.size(); ++i) add({corners[0], corners[i - 1], corners[i]}, -1.0);
+        const std::span<const glm::dvec3> corners = part.corners();
+        for (std::size_t i = 2; i < corners.size(); ++i) add({corners[0], corners[i - 1], corners[i]}, times);
     }
 
     void finish()
@@ -52,7 +51,6 @@ public:
     }
 
 private:
-    /// Counted `times`.
     void add(const Triangle& t, double times)
     {
         const double real = times * glm::length(glm::cross(t[1] - t[0], t[2] - t[0]));
@@ -116,10 +114,20 @@ void addSeen(const ReachedFacet& facet, const KernelPlace& place, KernelSum& sum
     const std::array corners{facet.a - place.centre, facet.b - place.centre, facet.c - place.centre};
     const auto hidesAll = [&](const Screen& screen) { return screen.partOf(corners) == Screen::Part::all; };
     if (std::ranges::any_of(place.screens, hidesAll)) return;
-    sum.add(facet);
-    for (const Screen& screen : place.screens) {
-        if (screen.partOf(corners) == Screen::Part::some) sum.hide(facet, screen);
-    }
+    FacetPart part(fromCentre(facet, place.centre));
+    const auto forCutting = [&](bool inAllDirections, const auto& use) {
+        for (const Screen& screen : place.screens) {
+            const bool is = screen.isInAllDirections() == inAllDirections;
+            if (is && screen.partOf(corners) == Screen::Part::some) use(screen);
+        }
+    };
+    forCutting(true, [&](const Screen& screen) { part.dropBeyond(screen); });
+    sum.add(part, 1.0);
+    forCutting(false, [&](const Screen& wall) {
+        FacetPart hidden = part;
+        hidden.keepHidden(wall);
+        sum.add(hidden, -1.0);
+    });
 }
 
 } // namespace
@@ -212,7 +220,8 @@ bool SurfaceArea::isAnyHidden(const KernelPlace& place, float radius) const
     const auto hides = [&](const Screen& screen, const ReachedFacet& facet) {
         const std::array at{facet.a - place.centre, facet.b - place.centre, facet.c - place.centre};
         if (screen.partOf(at) == Screen::Part::none) return false;
-        const HiddenPart hidden(screen, fromCentre(facet, place.centre));
+        FacetPart hidden(fromCentre(facet, place.centre));
+        hidden.keepHidden(screen);
         if (hidden.corners().empty()) return false;
         glm::dvec3 low = hidden.corners()[0], high = low;
         for (const glm::dvec3 corner : hidden.corners()) low = glm::min(low, corner), high = glm::max(high, corner);

@@ -61,7 +61,7 @@ Result<OctreeTextures> uploadOctree(Gl& gl, const GpuOctree& octree)
     textures.vdls = makeTexture2D(gl, GL_RGBA16UI, {octree.vdlWidth, octree.vdlHeight}, GL_RGBA_INTEGER,
                                   GL_UNSIGNED_SHORT, octree.vdls.data());
     readByFetch(gl, GL_TEXTURE_2D);
-    textures.normals = makeTexture2D(gl, GL_RG8UI, {octree.normalWidth, octree.normalHeight}, GL_RG_INTEGER,
+    textures.normals = makeTexture2D(gl, GL_RGBA8UI, {octree.normalWidth, octree.normalHeight}, GL_RGBA_INTEGER,
                                      GL_UNSIGNED_BYTE, octree.normals.data());
     readByFetch(gl, GL_TEXTURE_2D);
     return textures;

@@ -10,7 +10,7 @@ namespace lightloom {
 struct OctreeTextures {
     GlTexture bricks;  ///< 3D, RGBA8UI
     GlTexture vdls;    ///< 2D, RGBA16UI
-    GlTexture normals; ///< 2D, RG8UI
+    GlTexture normals; ///< 2D, RGBA8UI
 };
 
 /// Errors: a texture is larger than the driver takes (says both sizes).
