@@ -4,6 +4,7 @@
 // light that a scene's scale, its lamps' order or its triangles' order must not change.
 #include "bake_helpers.h"
 #include "core/base/units.h"
+#include "core/ivg/ivg_solver.h"
 #include "core/photonmap/photon_map_solver.h"
 #include "core/scene/analytic_scenes.h"
 #include "light_helpers.h"
@@ -24,6 +25,7 @@ std::unique_ptr<Solver> makeSolver()
     return std::make_unique<SomeSolver>();
 }
 const std::array kMethods{CachedMethod{"light-octree", makeSolver<OctreeSolver>},
+                          CachedMethod{"irradiance-grid", makeSolver<IvgSolver>},
                           CachedMethod{"photon-map", makeSolver<PhotonMapSolver>}};
 
 BakeParams accurate(int depth = 5)
@@ -229,7 +231,9 @@ private Q_SLOTS:
     {
         const double r1 = 0.5, r2 = 0.8, low = 1.0 / (1.0 - r1 * r2);
         const auto scene = share(lightloom::parallelPlates(static_cast<float>(r1), static_cast<float>(r2)));
-        const auto field = bake(method(), scene);
+        BakeParams params = accurate();
+        params.gridSizeY = 8; // cubes would be wider than the gap: a grid has no vertex between the plates
+        const auto field = bake(method(), scene, params);
         PointClaims claims("plates");
         for (const float x : {-30.0f, 0.0f, 30.0f}) {
             for (const float z : {-30.0f, 0.0f, 30.0f}) {
