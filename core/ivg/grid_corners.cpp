@@ -6,8 +6,11 @@
 namespace lightloom {
 namespace {
 
-constexpr float kBehind = 0.1f; ///< cells behind a surface that a vertex may lie and still count as before it
+constexpr float kBehind = 0.1f; ///< cells before and behind a surface within which a vertex counts in part
 constexpr float kSlack = 0.05f; ///< cells, for walls that are not quite parallel to an axis
+
+/// 1 below -width, 0 above it.
+float fade(float excess, float width) { return glm::clamp(0.5f - 0.5f * excess / width, 0.0f, 1.0f); }
 
 /// Cell that holds `at` and the place in it, per axis.
 struct CellPlace {
@@ -49,7 +52,6 @@ void trilinearCorners(const GridGeometry& geometry, glm::vec3 at, glm::vec3 p, g
     const GridOpenness& openness = geometry.openness;
     const CellPlace place(lattice, at);
     const glm::vec3 surface = lattice.toGrid(p), side = n * lattice.cellSize;
-    const float behind = kBehind * glm::length(side);
     for (int k = 0; k < 8; ++k) {
         const glm::ivec3 step(k & 1, k >> 1 & 1, k >> 2);
         const glm::ivec3 vertex = place.cell + step;
@@ -58,14 +60,16 @@ void trilinearCorners(const GridGeometry& geometry, glm::vec3 at, glm::vec3 p, g
         const std::size_t index = lattice.index(vertex);
         if (weight <= 0.0f || openness.isOpen[index] == 0) continue;
         const glm::vec3 away = surface - glm::vec3(vertex);
-        bool isSeen = anySide || glm::dot(away, side) <= behind;
+        // both tests fade, or light would jump where a surface that runs aslant loses one vertex after the other
+        float seen = anySide ? 1.0f : fade(glm::dot(away, side) / glm::length(side), kBehind);
         for (int axis = 0; axis < 3; ++axis) {
             const std::size_t way = static_cast<std::size_t>(2 * axis + (away[axis] > 0.0f ? 1 : 0));
             const int sight = openness.sight[index][way];
-            const float reached = static_cast<float>(sight) / GridOpenness::kSightUnits + kSlack;
-            isSeen = isSeen && (sight == 255 || std::abs(away[axis]) <= reached);
+            if (sight < 255)
+                seen *=
+                    fade(std::abs(away[axis]) - static_cast<float>(sight) / GridOpenness::kSightUnits - kSlack, kSlack);
         }
-        if (isSeen) corners.add(index, weight);
+        if (seen > 0.0f) corners.add(index, weight * seen);
     }
 }
 
