@@ -29,7 +29,8 @@ private:
 [[nodiscard]] glm::vec3 lookupPlace(const GridLattice& lattice, glm::vec3 p, glm::vec3 n, float offset);
 
 /// Of the eight vertices around grid coordinates `at` (moved into the grid), with trilinear weights, those in the open,
-/// before the surface at `p` that faces `n` (unless `anySide`), and from which no wall hides it along any axis; both fade.
+/// before the surface at `p` that faces `n` (unless `anySide`), and from which no wall hides it along any axis; both
+/// fade.
 void trilinearCorners(const GridGeometry& geometry, glm::vec3 at, glm::vec3 p, glm::vec3 n, bool anySide,
                       GridCorners& corners);
 
