@@ -13,6 +13,7 @@ namespace {
 
 constexpr float kHeight = 0.25f;        ///< cells above the surface, where walls are looked for
 constexpr float kSideReach = 1.75f;     ///< cells that lookups read across, nearly
+constexpr float kUpright = 0.35f;       ///< cosine from a surface's normal to that of a wall that stands on it
 constexpr float kWideWall = kPi / 3.0f; ///< of what an entry sees; the leg of a table parts no surface
 
 float angleOf(const Screen& screen)
@@ -76,13 +77,13 @@ private:
             if (screen.isInAllDirections() || screen.behind > kSideReach * cell_ ||
                 !finder_.isAnyHidden(screen, found.centroid, n, kSideReach * cell_))
                 continue;
+            if (std::abs(glm::dot(screen.away, n)) > kUpright) return 0; // the surface itself, in folds
             width += angleOf(screen);
             if (!nearest || screen.behind < nearest->behind) nearest = &screen;
         }
         if (!nearest || width < kWideWall) return 0;
         const glm::vec3 across = glm::dot(nearest->away, n) * n - nearest->away;
         const float steep = glm::length(across);
-        if (steep < 0.5f) return 0; // no wall but the surface itself, bent
         const glm::vec3 towards = across / steep, middle = 0.5f * (box_.low + box_.high);
         const float face = nearest->behind / steep;
         const float thick =

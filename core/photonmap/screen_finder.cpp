@@ -9,7 +9,7 @@ namespace lightloom {
 namespace {
 
 constexpr float kSameSurface = 0.5f; ///< cosine above which a hit is the surface itself, as gathers take it
-constexpr float kSlack = 0.01f;      ///< of the height: surface that far behind a wall's plane is still before it
+constexpr float kSlack = 0.03f;      ///< of the height: surface that far behind a wall's plane is still before it
 constexpr float kGrazing = 0.05f;    ///< cosine to a wall's normal at which a wedge has to end
 constexpr float kNearest = 4.0f;     ///< heights, of what hides all beyond: within a cell the surface may bend
 constexpr float kTurn = 2.0f * kPi / 16.0f;
