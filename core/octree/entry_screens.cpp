@@ -6,7 +6,6 @@
 #include "core/trace/cell_clip.h"
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 namespace lightloom {
 namespace {
