@@ -88,6 +88,12 @@ public:
     }
 
 private:
+    /// A step of a walk. A point that is moved off its surface in a crease may end up behind the surface beside it, in
+    /// a closed body; then the place it came from does not see it.
+    struct Sight {
+        glm::vec3 from, to;
+    };
+
     /// Runs blocks that find open points and adds these in the order of the blocks.
     bool collect(std::size_t blocks, Workers& workers, const std::stop_token& stop,
                  const std::function<void(std::size_t, std::vector<OpenPoint>&)>& body)
@@ -104,11 +110,19 @@ private:
         Rng rng(generation, hashName("light flood"), number);
         const OpenPoint& start = from[rng.bits() % from.size()];
         glm::vec3 origin = start.p, normal = start.n;
+        std::vector<Sight> unproven;
         for (std::uint32_t bounce = 0; bounce < kBounces; ++bounce) {
             const float u1 = rng.uniform(), u2 = rng.uniform();
             Hit hit;
             if (!rays_.intersect(origin, Frame(normal).toWorld(sampleCosineHemisphere(u1, u2)), kFar, hit)) return;
-            found.push_back(openPointAt(rays_, elements_, hit));
+            const OpenPoint met = openPointAt(rays_, elements_, hit);
+            unproven.push_back({origin, met.p});
+            if (!reached_[met.element]) {
+                if (std::ranges::any_of(unproven, [&](const Sight& s) { return rays_.isBlocked(s.from, s.to); }))
+                    return;
+                unproven.clear();
+            }
+            found.push_back(met);
             if (mayTransmit(rays_.material(hit.triangle)) && rng.uniform() < 0.5f) {
                 hit.isFront = !hit.isFront;
                 found.push_back(openPointAt(rays_, elements_, hit));
