@@ -235,7 +235,6 @@ void ShadowMaps::drawLayer(const SceneBuffers& scene, const GlProgram& shadow, c
     shadow.set("lamp", layer.lamp);
     shadow.set("range", layer.range);
     scene.draw(shadow, false, 1.0f);
-    ++layersDrawn_;
 }
 
 bool ShadowMaps::draw(const SceneBuffers& scene, const GlProgram& shadow, double budgetMs)
@@ -248,6 +247,7 @@ bool ShadowMaps::draw(const SceneBuffers& scene, const GlProgram& shadow, double
         layer.isDrawn = true;
         --undrawn_;
         drawLayer(scene, shadow, layer);
+        ++layersDrawn_;
         gl_.glFinish(); // else the budget would measure how fast commands are queued
         if (static_cast<double>(clock.nsecsElapsed()) >= budgetMs * 1e6) break;
     }

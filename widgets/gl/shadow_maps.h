@@ -31,7 +31,7 @@ public:
     bool drawOne(const SceneBuffers& scene, const GlProgram& shadow, int light, int round);
     void bindOne(const GlProgram& direct, int unit) const;         ///< as `bind`, of the light drawn last; count 1
     [[nodiscard]] int refineRounds() const;                        ///< after which lamps and steps of texels are even
-    [[nodiscard]] int layersDrawn() const { return layersDrawn_; } ///< since the program began; tests read it
+    [[nodiscard]] int layersDrawn() const { return layersDrawn_; } ///< kept ones, ever; tests read it
 
 private:
     struct Layer {
