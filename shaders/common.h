@@ -12,6 +12,7 @@ using namespace glm;
 #include "shaders/shared_limits.glsl"
 #include "shaders/common_colour.glsl"
 #include "shaders/common_false_colour.glsl"
+#include "shaders/common_ivg.glsl"
 #include "shaders/common_octree.glsl"
 #include "shaders/common_shading.glsl"
 #include "shaders/common_vdl.glsl"

@@ -105,8 +105,72 @@ dvec3 metalInDouble(dvec3 f0, double alpha, dvec3 n, dvec3 l, dvec3 v)
     return glm::mix(f0, dvec3(1.0), std::pow(1.0 - lh, 5.0)) * (d * 0.5 / std::max(lambdaL + lambdaV, 1e-4)) * nl;
 }
 
+/// Weights of the cubic B-spline (or Catmull-Rom's spline) at vertices -1, 0, 1, 2, from their matrices.
+dvec4 cubicInDouble(double t, bool isSpline)
+{
+    const dvec4 powers(1.0, t, t * t, t * t * t);
+    const double spline[4][4] = {{1, -3, 3, -1}, {4, 0, -6, 3}, {1, 3, 3, -3}, {0, 0, 0, 1}};
+    const double catmull[4][4] = {{0, -1, 2, -1}, {2, 0, -5, 3}, {0, 1, 4, -3}, {0, 0, -1, 1}};
+    dvec4 out(0.0);
+    for (int i = 0; i < 4; ++i) {
+        for (int k = 0; k < 4; ++k) out[i] += (isSpline ? spline[i][k] / 6.0 : catmull[i][k] / 2.0) * powers[k];
+    }
+    return out;
+}
+
+/// Weighted sum over vertices -1 to 2 of a function that is linear between neighbours, from the two reads.
+double readsInDouble(dvec4 reads, dvec4 values)
+{
+    const double low = glm::mix(values[0], values[1], reads.x + 1.0),
+                 high = glm::mix(values[2], values[3], reads.z - 1.0);
+    return reads.y * low + reads.w * high;
+}
+
+double fadeInDouble(double excess, double width) { return std::clamp(0.5 - 0.5 * excess / width, 0.0, 1.0); }
+
+double sightInDouble(double away, unsigned sight)
+{
+    const unsigned way = away > 0.0 ? sight / 256 : sight % 256;
+    return way == 255 ? 1.0 : fadeInDouble(std::abs(away) - way / 127.5 - 0.05, 0.05);
+}
+
+/// `terms` of three numbers each one after the other, as texels hold them, times factors.
+dvec3 termsInDouble(const std::vector<dvec4>& texels, const std::vector<double>& factors)
+{
+    dvec3 sum(0.0);
+    for (std::size_t t = 0; t < factors.size(); ++t) {
+        for (std::size_t c = 0; c < 3; ++c) sum[int(c)] += factors[t] * texels[(3 * t + c) / 4][int((3 * t + c) % 4)];
+    }
+    return sum;
+}
+
 // clang-format off
 const Twin kTwins[] = {
+    {"grid sight", "vec4(gridSight(a.xyz, uvec3(abs(b.xyz) * 65535.0)), gridSide(a.xyz, vec3(0.3, -0.4, 1.2)), 0.0, 0.0)",
+     [](vec4 a, vec4 b) {
+         const glm::uvec3 sight(bits(std::abs(b.x) * 65535.0f), bits(std::abs(b.y) * 65535.0f), bits(std::abs(b.z) * 65535.0f));
+         return vec4(shader::gridSight(xyz(a), sight), shader::gridSide(xyz(a), vec3(0.3f, -0.4f, 1.2f)), 0, 0); },
+     [](dvec4 a, dvec4 b) {
+         double seen = 1.0;
+         for (int i = 0; i < 3; ++i) seen *= sightInDouble(a[i], bits(double(std::abs(float(b[i])) * 65535.0f)));
+         return dvec4(seen, fadeInDouble(dot(xyz(a), dvec3(0.3f, -0.4f, 1.2f)) / 1.3, 0.1), 0, 0); }, -1, 1, false, 4e-6},
+    {"spline reads", "gridSplineReads(a.x)",
+     [](vec4 a, vec4) { return shader::gridSplineReads(a.x); },
+     [](dvec4 a, dvec4) {
+         const dvec4 w = cubicInDouble(a.x, true);
+         return dvec4(w[1] / (w[0] + w[1]) - 1.0, w[0] + w[1], 1.0 + w[3] / (w[2] + w[3]), w[2] + w[3]); }, 0, 1},
+    {"catmull-rom", "gridCatmullRom(a.x)",
+     [](vec4 a, vec4) { return shader::gridCatmullRom(a.x); },
+     [](dvec4 a, dvec4) { return cubicInDouble(a.x, false); }, 0, 1},
+    {"between axes", "vec4(gridBetweenAxes(a, b, a + b, a - b, b + b, a.xyz), 0.0)",
+     [](vec4 a, vec4 b) { return v4(shader::gridBetweenAxes(a, b, a + b, a - b, b + b, xyz(a))); },
+     [](dvec4 a, dvec4 b) {
+         const auto linear = [](double n) { return n * (1.0 - std::abs(n)); };
+         return dvec4(termsInDouble({a, b, a + b, a - b, b + b}, {linear(a.x), linear(a.y), linear(a.z), a.x * a.y, a.y * a.z, a.z * a.x}), 0); }, -1, 1, false, 4e-6},
+    {"harmonics", "vec4(gridFirstOrder(a, b, a - b, a.xyz) + gridSecondOrder(b + b, a + b, a, b, a.xyz), 0.0)",
+     [](vec4 a, vec4 b) { return v4(shader::gridFirstOrder(a, b, a - b, xyz(a)) + shader::gridSecondOrder(b + b, a + b, a, b, xyz(a))); },
+     [](dvec4 a, dvec4 b) {
+         return dvec4(termsInDouble({a, b, a - b, b + b, a + b, a, b}, {1.0, a.x, a.y, a.z, a.x * a.y, a.y * a.z, a.z * a.x, a.x * a.x - a.y * a.y, 3.0 * a.z * a.z - 1.0}), 0); }, -1, 1, false, 4e-6},
     {"half", "vec4(halfValue(uint(a.x)), halfValue(uint(a.y)), 0.0, 0.0)",
      [](vec4 a, vec4) { return vec4(shader::halfValue(bits(a.x)), shader::halfValue(bits(a.y)), 0, 0); },
      [](dvec4 a, dvec4) { return dvec4(halfInDouble(bits(a.x)), halfInDouble(bits(a.y)), 0, 0); }, 0, 65535.99f, false, 0},
@@ -245,6 +309,7 @@ class ShaderTwinsTest : public QObject {
             QByteArray("#version 330 core\n"
                        "#include \"shared_limits.glsl\"\n#include \"common_colour.glsl\"\n"
                        "#include \"common_false_colour.glsl\"\n"
+                       "#include \"common_ivg.glsl\"\n"
                        "#include \"common_octree.glsl\"\n#include \"common_shading.glsl\"\n"
                        "#include \"common_vdl.glsl\"\n"
                        "uniform sampler2D inputA, inputB;\nout vec4 result;\nvoid main()\n{\n"
@@ -321,6 +386,19 @@ private Q_SLOTS:
                                       .arg(b[at].y)
                                       .arg(b[at].z)
                                       .arg(b[at].w)));
+    }
+
+    void twoReadsAreAllFourVertices() // what the B-spline's reads are for
+    {
+        std::mt19937 random(7);
+        std::uniform_real_distribution<double> value(0.0, 1.0);
+        for (int i = 0; i < 1000; ++i) {
+            const double t = i / 999.0;
+            const dvec4 values(value(random), value(random), value(random), value(random));
+            const double wanted = dot(cubicInDouble(t, true), values);
+            const double is = readsInDouble(dvec4(shader::gridSplineReads(static_cast<float>(t))), values);
+            QVERIFY(std::abs(is - wanted) <= 1e-6);
+        }
     }
 
     void includesComeOnceAndCyclesAreErrors()

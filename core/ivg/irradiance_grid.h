@@ -34,6 +34,17 @@ public:
     [[nodiscard]] GridEstimator estimator() const { return estimator_; }
     [[nodiscard]] const GridShow& show() const { return show_; }
 
+    // what lookups read, of the mix
+    [[nodiscard]] std::span<const glm::vec3> keptAt(std::size_t vertex) const ///< keepForRemap's numbers
+    {
+        const std::size_t size = remapSize(show_.remap);
+        return {kept_.data() + vertex * size, size};
+    }
+    /// Weight of a part of the remap at a vertex, from what is open there.
+    [[nodiscard]] float trust(std::size_t vertex, std::size_t part) const { return trust_[vertex * parts() + part]; }
+    /// By direction: lux per cell along it. Remaps `joined` and `flux` only.
+    [[nodiscard]] const std::array<glm::vec3, 6>& slopes(std::size_t vertex) const { return slopes_[vertex]; }
+
 private:
     void mixLayers();
     void findSlopes();
@@ -46,12 +57,6 @@ private:
     [[nodiscard]] bool hasSlopes() const { return show_.remap == GridRemap::joined || show_.remap == GridRemap::flux; }
 
     [[nodiscard]] std::size_t parts() const { return parts_.size(); }
-    [[nodiscard]] std::span<const glm::vec3> keptAt(std::size_t vertex) const
-    {
-        const std::size_t size = remapSize(show_.remap);
-        return {kept_.data() + vertex * size, size};
-    }
-    [[nodiscard]] float trust(std::size_t vertex, std::size_t part) const { return trust_[vertex * parts() + part]; }
 
     std::shared_ptr<const GridGeometry> geometry_;
     std::vector<std::shared_ptr<const GridLayer>> layers_;

@@ -51,6 +51,7 @@ void GlProgram::set(const char* name, std::span<const int> values) const
 }
 void GlProgram::set(const char* name, float value) const { gl_->glUniform1f(at(name), value); }
 void GlProgram::set(const char* name, glm::vec2 value) const { gl_->glUniform2f(at(name), value.x, value.y); }
+void GlProgram::set(const char* name, glm::ivec3 value) const { gl_->glUniform3i(at(name), value.x, value.y, value.z); }
 void GlProgram::set(const char* name, glm::vec3 value) const { gl_->glUniform3f(at(name), value.x, value.y, value.z); }
 void GlProgram::set(const char* name, glm::vec4 value) const { gl_->glUniform4fv(at(name), 1, glm::value_ptr(value)); }
 void GlProgram::set(const char* name, const glm::mat3& value) const

@@ -79,6 +79,7 @@ public:
     void set(const char* name, int value) const;
     void set(const char* name, float value) const;
     void set(const char* name, std::span<const int> values) const;
+    void set(const char* name, glm::ivec3 value) const;
     void set(const char* name, glm::vec2 value) const;
     void set(const char* name, glm::vec3 value) const;
     void set(const char* name, glm::vec4 value) const;

@@ -9,7 +9,7 @@ namespace lightloom {
 
 namespace {
 
-constexpr int kBands = 16; ///< steps that the octree takes; then one per ring of dilation
+constexpr int kBands = 16; ///< steps that the bake takes; then one per ring of dilation
 constexpr int kFinished = -1;
 
 } // namespace
@@ -75,8 +75,8 @@ Result<Done> ModeAtlas::setAtlas(const std::shared_ptr<const AtlasDraw>& atlas)
     return Done{};
 }
 
-/// Part of the rows, from the octree.
-void ModeAtlas::renderBand(ModeVdl& octree, int band)
+/// Part of the rows, from the bake.
+void ModeAtlas::renderBand(PreviewMode& bake, int band)
 {
     const int low = atlas_->size * band / kBands, high = atlas_->size * (band + 1) / kBands;
     gl_.glBindFramebuffer(GL_FRAMEBUFFER, pictures_[from_].target.id());
@@ -84,7 +84,7 @@ void ModeAtlas::renderBand(ModeVdl& octree, int band)
     gl_.glScissor(0, low, atlas_->size, high - low);
     gl_.glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
     gl_.glClear(GL_COLOR_BUFFER_BIT);
-    octree.draw({texels_, glm::vec3(0.0f), true, false});
+    bake.draw({texels_, glm::vec3(0.0f), true, false});
     gl_.glDisable(GL_SCISSOR_TEST);
 }
 
@@ -110,7 +110,7 @@ bool ModeAtlas::fillRing()
     return any != 0;
 }
 
-bool ModeAtlas::render(ModeVdl& octree, double budgetMs)
+bool ModeAtlas::render(PreviewMode& bake, double budgetMs)
 {
     using Clock = std::chrono::steady_clock;
     if (!atlas_ || step_ == kFinished) return true;
@@ -122,7 +122,7 @@ bool ModeAtlas::render(ModeVdl& octree, double budgetMs)
     gl_.glBindVertexArray(empty_.id());
     while (step_ != kFinished) {
         if (step_ < kBands) {
-            renderBand(octree, step_++);
+            renderBand(bake, step_++);
             gl_.glFinish(); // or the budget would count how fast commands are taken
         } else if (!fillRing()) {
             step_ = kFinished;

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "widgets/gl/atlas_draw.h"
-#include "widgets/gl/mode_vdl.h"
+#include "widgets/gl/preview_mode.h"
+#include "widgets/gl/shader_library.h"
 #include <array>
 
 namespace lightloom {
 
-/// Indirect light from an atlas (Vivanloc et al. 2007, section 4.2.3): the octree is rendered into a lightmap when its
+/// Indirect light from an atlas (Vivanloc et al. 2007, section 4.2.3): the bake is rendered into a lightmap when its
 /// light is new, and each pixel reads one texel then. Directions are gone there: metals show none of it.
 class ModeAtlas final : public PreviewMode {
 public:
@@ -15,10 +16,10 @@ public:
 
     /// Null: nothing is shown from now on. Error: the atlas does not fit this driver's textures; nothing is shown.
     Result<Done> setAtlas(const std::shared_ptr<const AtlasDraw>& atlas);
-    /// The octree's light is another; what was rendered is shown until `render` has done it again.
+    /// The bake's light is another; what was rendered is shown until `render` has done it again.
     void lightChanged() { step_ = 0; }
-    /// Goes on rendering `octree` into the atlas for about `budgetMs`. True when there is no more to do.
-    bool render(ModeVdl& octree, double budgetMs);
+    /// Goes on rendering `bake` into the atlas for about `budgetMs`. True when there is no more to do.
+    bool render(PreviewMode& bake, double budgetMs);
     [[nodiscard]] bool isReady() const { return isShown_; } ///< has light to show, maybe of before
 
     void draw(const ModeFrame& frame) override;
@@ -28,7 +29,7 @@ public:
 
 private:
     explicit ModeAtlas(Gl& gl) : gl_(gl) {}
-    void renderBand(ModeVdl& octree, int band);
+    void renderBand(PreviewMode& bake, int band);
     bool fillRing(); ///< false: there was nothing more to fill
 
     /// A picture of the atlas: one that is shown, two to work with in turn.

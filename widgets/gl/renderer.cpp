@@ -44,6 +44,9 @@ Result<Done> Renderer::linkPrograms()
         if (!made) return made.error();
         *mode = std::move(*made);
     }
+    Result<std::unique_ptr<ModeIvg>> grid = ModeIvg::make(gl_, shaders);
+    if (!grid) return grid.error();
+    grid_ = std::move(*grid);
     Result<std::unique_ptr<ModeAtlas>> atlas = ModeAtlas::make(gl_, shaders);
     if (!atlas) return atlas.error();
     atlas_ = std::move(*atlas);
@@ -64,6 +67,7 @@ Result<Done> Renderer::setScene(std::shared_ptr<const DrawData> data)
     scene_.reset();
     unlit_.reset();
     (void)vdl_->setOctree(nullptr); // dropping cannot fail
+    (void)grid_->setGrid(nullptr);
     (void)atlas_->setAtlas(nullptr);
     (void)colours_->setOctree(nullptr);
     if (!data) return Done{};
@@ -85,7 +89,15 @@ Result<Done> Renderer::setOctree(const std::shared_ptr<const GpuOctree>& octree)
 {
     environments_->forget();
     atlas_->lightChanged();
+    (void)grid_->setGrid(nullptr);
     return vdl_->setOctree(octree);
+}
+Result<Done> Renderer::setGrid(const std::shared_ptr<const GpuGrid>& grid)
+{
+    environments_->forget();
+    atlas_->lightChanged();
+    (void)vdl_->setOctree(nullptr);
+    return grid_->setGrid(grid);
 }
 Result<Done> Renderer::setColours(const std::shared_ptr<const GpuOctree>& octree)
 {
@@ -273,14 +285,21 @@ float Renderer::refinedShare() const
     return rounds / (rounds + static_cast<float>(coarseSamples_));
 }
 
+PreviewMode& Renderer::bake()
+{
+    if (grid_->hasGrid()) return *grid_;
+    return *vdl_;
+}
+
 PreviewMode* Renderer::indirectOf(ViewMode mode)
 {
     switch (mode) {
     case ViewMode::octree:
+    case ViewMode::grid:
     case ViewMode::photonMap:
-        return vdl_.get();
+        return &bake();
     case ViewMode::atlas:
-        if (!atlas_->isReady()) return vdl_.get();
+        if (!atlas_->isReady()) return &bake();
         return atlas_.get();
     case ViewMode::colours:
         return colours_.get();

@@ -3,6 +3,7 @@
 #include "widgets/gl/environment_maps.h"
 #include "widgets/gl/mark_pass.h"
 #include "widgets/gl/mode_atlas.h"
+#include "widgets/gl/mode_ivg.h"
 #include "widgets/gl/mode_vdl.h"
 #include "widgets/gl/overlay_pass.h"
 #include "widgets/gl/scene_buffers.h"
@@ -13,8 +14,9 @@ namespace lightloom {
 
 /// What the viewport shows of the scene.
 enum class ViewMode {
-    octree,    ///< direct light of the lamps and indirect light of the bake
-    atlas,     ///< the same through a lightmap: each pixel reads one texel; the octree until there is one
+    octree,    ///< direct light of the lamps and indirect light of the bake, a light octree
+    grid,      ///< the same, an irradiance grid; until there is one, what there is
+    atlas,     ///< the same through a lightmap: each pixel reads one texel; the bake until there is one
     colours,   ///< as octree, with a colour octree: accumulated illuminance without directions
     photonMap, ///< a picture that the processor renders from the photon map; the octree until there is one
     direct,    ///< direct light only
@@ -49,7 +51,9 @@ public:
     Result<Done> setScene(std::shared_ptr<const DrawData> data);
     /// An edit of the scene's lamps; its light stays until other comes.
     Result<Done> setLamps(const DrawData& data);
+    /// Light of the bake, an octree or a grid: the one that was set last.
     Result<Done> setOctree(const std::shared_ptr<const GpuOctree>& octree);
+    Result<Done> setGrid(const std::shared_ptr<const GpuGrid>& grid);
     Result<Done> setColours(const std::shared_ptr<const GpuOctree>& octree); ///< a colour octree
     void setMix(const Mix& mix);
     [[nodiscard]] OverlayPass& overlay() { return *overlay_; }
@@ -77,8 +81,8 @@ public:
     bool drawShadows(double budgetMs);
     /// Null: none. Goes with the scene.
     Result<Done> setAtlas(const std::shared_ptr<const AtlasDraw>& atlas) { return atlas_->setAtlas(atlas); }
-    /// The octree into the atlas, for about `budgetMs`. True when all of its light is there.
-    bool renderAtlas(double budgetMs) { return atlas_->render(*vdl_, budgetMs); }
+    /// The bake into the atlas, for about `budgetMs`. True when all of its light is there.
+    bool renderAtlas(double budgetMs) { return atlas_->render(bake(), budgetMs); }
     [[nodiscard]] std::vector<glm::vec4> readAtlas() const { return atlas_->readBack(); } ///< for tests
     /// Faces of environment maps whose light is not what it was, for about `budgetMs`, once all shadow maps are there.
     /// True when all are as they should be.
@@ -113,6 +117,7 @@ private:
     [[nodiscard]] static glm::vec2 shiftOf(int sample); ///< where in a pixel it looks, -0.5 to 0.5
     void drawSurfaces(const GBuffer& buffers, const FrameView& frame, glm::vec2 shift, int without);
     void drawLight(const GBuffer& buffers, const FrameView& frame, bool mirrors);
+    [[nodiscard]] PreviewMode& bake();                    ///< that was set last
     [[nodiscard]] PreviewMode* indirectOf(ViewMode mode); ///< null: the mode shows no indirect light
     void drawDirect(const ModeFrame& frame, int lights, float emissionScale, bool ofOne = false);
     void makeRefinement(const FrameView& frame);
@@ -129,6 +134,7 @@ private:
     GlProgram surfaceProgram_, shadowProgram_, directProgram_, plainProgram_, postProgram_, copyProgram_, glassProgram_,
         refinedProgram_;
     std::unique_ptr<ModeVdl> vdl_, colours_;
+    std::unique_ptr<ModeIvg> grid_;
     std::optional<OverlayPass> overlay_;
     std::optional<MarkPass> marks_;
     std::optional<EnvironmentMaps> environments_;

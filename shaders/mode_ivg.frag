@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+#version 330 core
+// Indirect light from an irradiance grid (core/ivg/grid_gpu.h). Same rule as IrradianceGrid::lookup. Whoever links it
+// defines
+//   FILTER         0 trilinear: eight vertices, those before the surface that see it; 1 B-spline: eight reads with
+//                  linear filter; 2 Catmull-Rom: 64 vertices
+//   SIDE_TEXELS    per direction: 1 one colour; 2 compressed, lengths and direction; 3 vectors; 0 none
+//   SHARED_TEXELS  5 terms between the axes, 7 all harmonics, 0 none
+//   SLOPES         1: light goes on to the surface by slopes
+#include "shared_limits.glsl"
+#include "common_ivg.glsl"
+#include "common_shading.glsl"
+
+uniform sampler3D light, places;
+uniform usampler3D sight;
+uniform ivec3 slabs, cells;
+uniform vec3 lowest, cellSize;
+uniform float offset; // cells along the normal
+uniform float scale;
+uniform sampler2D gPosition, gNormal, gBase, gEmission;
+uniform int showIlluminance; // 1: lux on the surface instead of radiance
+uniform int mirrors;         // 1: environment maps are added, for metals that have one
+
+out vec4 radiance;
+
+const float kLeastKnown = 0.005; // of trilinear weights: less comes from round a corner
+const float kLeastCubic = 0.5;   // of Catmull-Rom's weights that must find a value
+
+// Where the slabs begin that a surface of this normal reads, and weighted sums over what is read of them.
+#if SIDE_TEXELS > 0
+ivec3 sideSlab[3 * SIDE_TEXELS];
+vec4 sideSum[3 * SIDE_TEXELS];
+#endif
+#if SHARED_TEXELS > 0
+ivec3 sharedSlab[SHARED_TEXELS];
+vec4 sharedSum[SHARED_TEXELS];
+#endif
+#if SLOPES == 1
+ivec3 slopeSlab[3];
+vec3 slopeSum[3];
+vec3 placeSum; // by axis: trust times vertex number
+#endif
+
+ivec3 slab(int number)
+{
+    return ivec3(number % slabs.x, number / slabs.x % slabs.y, number / (slabs.x * slabs.y)) * (cells + 1);
+}
+
+void chooseSlabs(vec3 n)
+{
+    ivec3 side = ivec3(0, 2, 4) + ivec3(greaterThanEqual(n, vec3(0.0)));
+#if SIDE_TEXELS > 0
+    for (int axis = 0; axis < 3; ++axis) {
+        for (int j = 0; j < SIDE_TEXELS; ++j) sideSlab[axis * SIDE_TEXELS + j] = slab(side[axis] * SIDE_TEXELS + j);
+    }
+#endif
+#if SHARED_TEXELS > 0
+    for (int i = 0; i < SHARED_TEXELS; ++i) sharedSlab[i] = slab(6 * SIDE_TEXELS + i);
+#endif
+#if SLOPES == 1
+    for (int axis = 0; axis < 3; ++axis) slopeSlab[axis] = slab(6 * SIDE_TEXELS + SHARED_TEXELS + side[axis]);
+#endif
+}
+
+void clearSums()
+{
+#if SIDE_TEXELS > 0
+    for (int i = 0; i < 3 * SIDE_TEXELS; ++i) sideSum[i] = vec4(0.0);
+#endif
+#if SHARED_TEXELS > 0
+    for (int i = 0; i < SHARED_TEXELS; ++i) sharedSum[i] = vec4(0.0);
+#endif
+#if SLOPES == 1
+    for (int i = 0; i < 3; ++i) slopeSum[i] = vec3(0.0);
+    placeSum = vec3(0.0);
+#endif
+}
+
+#if FILTER == 1
+vec3 perTexel;
+
+vec4 readAt(ivec3 slab, vec3 at)
+{
+    return texture(light, (vec3(slab) + at + 0.5) * perTexel);
+}
+
+// `at` lies among the slab's own texels, so that a filter takes none of another's.
+void add(vec3 at, float weight)
+{
+    at = clamp(at, vec3(0.0), vec3(cells));
+#if SIDE_TEXELS > 0
+    for (int i = 0; i < 3 * SIDE_TEXELS; ++i) sideSum[i] += weight * readAt(sideSlab[i], at);
+#endif
+#if SHARED_TEXELS > 0
+    for (int i = 0; i < SHARED_TEXELS; ++i) sharedSum[i] += weight * readAt(sharedSlab[i], at);
+#endif
+#if SLOPES == 1
+    for (int i = 0; i < 3; ++i) slopeSum[i] += weight * readAt(slopeSlab[i], at).xyz;
+    placeSum += weight * texture(places, (at + 0.5) / vec3(cells + 1)).xyz;
+#endif
+}
+#else
+void add(ivec3 vertex, float weight)
+{
+#if SIDE_TEXELS > 0
+    for (int i = 0; i < 3 * SIDE_TEXELS; ++i) {
+        vec4 texel = weight * texelFetch(light, sideSlab[i] + vertex, 0);
+        sideSum[i] += texel;
+#if SLOPES == 1
+        placeSum[i] += texel.w * float(vertex[i]);
+#endif
+    }
+#endif
+#if SHARED_TEXELS > 0
+    for (int i = 0; i < SHARED_TEXELS; ++i) sharedSum[i] += weight * texelFetch(light, sharedSlab[i] + vertex, 0);
+#endif
+#if SLOPES == 1
+    for (int i = 0; i < 3; ++i) slopeSum[i] += weight * texelFetch(light, slopeSlab[i] + vertex, 0).xyz;
+#endif
+}
+#endif
+
+// Irradiance in units of `scale` lux from the sums (w: 1), or nothing (w: 0).
+vec4 blended(vec3 surface, vec3 n)
+{
+    vec3 sum = vec3(0.0), correction = vec3(0.0);
+    float share = 0.0; // of the whole that is known
+    float least = FILTER == 2 ? kLeastCubic : 0.0;
+#if SIDE_TEXELS > 0
+    for (int axis = 0; axis < 3; ++axis) {
+        float weight = sideSum[axis * SIDE_TEXELS].w;
+        if (!(weight > least)) continue;
+        float square = n[axis] * n[axis];
+        share += square;
+#if SIDE_TEXELS == 1
+        vec3 value = sideSum[axis].xyz;
+#if SLOPES == 1
+        value += (surface[axis] - placeSum[axis] / weight) * slopeSum[axis];
+#endif
+#elif SIDE_TEXELS == 2
+        vec3 value = sideSum[2 * axis].xyz * (dot(sideSum[2 * axis + 1].xyz, n) / weight);
+#else
+        vec3 value = sideSum[3 * axis].xyz * n.x + sideSum[3 * axis + 1].xyz * n.y + sideSum[3 * axis + 2].xyz * n.z;
+#endif
+        sum += square * value / weight;
+    }
+#endif
+#if SHARED_TEXELS == 5
+    if (sharedSum[4].z > least) {
+        correction = gridBetweenAxes(sharedSum[0], sharedSum[1], sharedSum[2], sharedSum[3], sharedSum[4], n) /
+                     sharedSum[4].z;
+    }
+#elif SHARED_TEXELS == 7
+    if (sharedSum[6].w > least) {
+        share = 1.0;
+        sum = (gridFirstOrder(sharedSum[0], sharedSum[1], sharedSum[2], n) +
+               gridSecondOrder(sharedSum[3], sharedSum[4], sharedSum[5], sharedSum[6], n)) /
+              sharedSum[6].w;
+    }
+#endif
+    if (share <= 0.0) return vec4(0.0);
+    return vec4(max(sum / share + correction, vec3(0.0)), 1.0);
+}
+
+vec3 lookupPlace(vec3 surface, vec3 n, float cellsAlong)
+{
+    vec3 inGrid = n / cellSize; // a cell along n is a step of length 1 in grid coordinates
+    return surface + inGrid * (cellsAlong / length(inGrid));
+}
+
+#if FILTER == 0
+// Sums up the vertices around `at` that are before the surface, unless `anySide`, and from which no wall hides it.
+// Gives their weight.
+float addCorners(vec3 at, vec3 surface, vec3 n, bool anySide)
+{
+    vec3 inside = clamp(at, vec3(0.0), vec3(cells));
+    ivec3 cell = min(ivec3(inside), cells - 1);
+    vec3 part = inside - vec3(cell);
+    vec3 side = n * cellSize;
+    float known = 0.0;
+    clearSums();
+    for (int k = 0; k < 8; ++k) {
+        ivec3 corner = ivec3(k & 1, (k >> 1) & 1, k >> 2);
+        vec3 near = mix(1.0 - part, part, vec3(corner));
+        float weight = near.x * near.y * near.z;
+        ivec3 vertex = cell + corner;
+        uvec4 seen = texelFetch(sight, vertex, 0);
+        if (weight <= 0.0 || seen.w == 0u) continue;
+        vec3 away = surface - vec3(vertex);
+        if (!anySide) weight *= gridSide(away, side);
+        weight *= gridSight(away, seen.xyz);
+        if (weight <= 0.0) continue;
+        known += weight;
+        add(vertex, weight);
+    }
+    return known;
+}
+
+vec4 lookup(vec3 surface, vec3 n)
+{
+    // in a gap, nearer vertices may be the only ones; in a wedge, those beside the surface
+    if (addCorners(lookupPlace(surface, n, offset), surface, n, false) < kLeastKnown &&
+        addCorners(surface, surface, n, false) < kLeastKnown && addCorners(surface, surface, n, true) <= 0.0)
+        return vec4(0.0);
+    return blended(surface, n);
+}
+#else
+vec4 lookup(vec3 surface, vec3 n)
+{
+    vec3 inside = clamp(lookupPlace(surface, n, offset), vec3(0.0), vec3(cells));
+    ivec3 cell = min(ivec3(inside), cells - 1);
+    vec3 part = inside - vec3(cell);
+    clearSums();
+#if FILTER == 1
+    perTexel = 1.0 / vec3(slabs * (cells + 1));
+    vec4 x = gridSplineReads(part.x), y = gridSplineReads(part.y), z = gridSplineReads(part.z);
+    for (int k = 0; k < 8; ++k) {
+        vec2 ax = (k & 1) == 0 ? x.xy : x.zw;
+        vec2 ay = (k & 2) == 0 ? y.xy : y.zw;
+        vec2 az = (k & 4) == 0 ? z.xy : z.zw;
+        add(vec3(cell) + vec3(ax.x, ay.x, az.x), ax.y * ay.y * az.y);
+    }
+#else
+    vec4 x = gridCatmullRom(part.x), y = gridCatmullRom(part.y), z = gridCatmullRom(part.z);
+    for (int k = 0; k < 64; ++k) {
+        ivec3 step = ivec3(k & 3, (k >> 2) & 3, k >> 4);
+        add(clamp(cell + step - 1, ivec3(0), cells), x[step.x] * y[step.y] * z[step.z]);
+    }
+#endif
+    return blended(surface, n);
+}
+#endif
+
+void main()
+{
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    vec4 place = texelFetch(gPosition, pixel, 0);
+    if (place.w < 0.5) discard;
+    vec4 normal = texelFetch(gNormal, pixel, 0);
+    vec4 base = texelFetch(gBase, pixel, 0);
+    vec3 surface = (place.xyz - lowest) / cellSize;
+    if (any(lessThan(surface, vec3(-1.0))) || any(greaterThan(surface, vec3(cells + 1)))) discard;
+    chooseSlabs(normal.xyz);
+    vec4 found = lookup(surface, normal.xyz);
+    if (found.w <= 0.0) discard; // the picture shows direct light only
+    vec3 lux = found.xyz * scale;
+    // a grid has too few directions for a gloss: metals without a map of their own are lit like matt paint
+    bool isMirrored = mirrors == 1 && normal.w <= kMirrorsBelow && texelFetch(gEmission, pixel, 0).w > 0.5;
+    float metal = isMirrored ? base.w : 0.0;
+    radiance = vec4(showIlluminance == 1 ? lux : lambert(base.xyz * (1.0 - metal), lux), 1.0);
+}
