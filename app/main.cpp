@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The window. Start reading here, then BakeSession::work.
+#include "core/params/param_text.h"
 #include "widgets/gl/gl_probe.h"
 #include "widgets/main_window.h"
 #include "widgets/screenshot.h"
@@ -33,6 +34,7 @@ struct CommandLine {
     QCommandLineParser parser;
     QCommandLineOption picture{"screenshot", "Write the window's picture and exit.", "OUT.png"};
     QCommandLineOption size{"size", "Size of the window, at least 320x240.", "WxH", "1280x800"};
+    QCommandLineOption method{"method", "Bake with light-octree or irradiance-grid.", "NAME", "light-octree"};
     QCommandLineOption wait{"wait", "With --screenshot: wait for the final depth instead of the first one."};
 
     CommandLine()
@@ -41,7 +43,7 @@ struct CommandLine {
         parser.addHelpOption();
         parser.addVersionOption();
         parser.addPositionalArgument("scene", "glTF scene to open (.glb or .gltf).", "[SCENE]");
-        parser.addOptions({picture, size, wait});
+        parser.addOptions({picture, size, method, wait});
     }
 };
 
@@ -93,6 +95,10 @@ int main(int argc, char** argv)
     QSettings settings; // a picture of the program must not depend on how someone left it
     lightloom::MainWindow window(isPicture ? nullptr : &settings);
     if (parser.isSet(line.size) || isPicture) window.resize(wanted);
+    if (parser.isSet(line.method)) {
+        const auto method = lightloom::methodNamed(parser.value(line.method).toStdString());
+        if (!method || !window.showMethod(*method)) return usage("--method wants light-octree or irradiance-grid");
+    }
     window.show();
     if (isPicture) {
         return lightloom::takeScreenshot(window, scenes.value(0), parser.value(line.picture), parser.isSet(line.wait));

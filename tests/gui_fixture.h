@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "core/bake/gpu_layout.h"
+#include "core/ivg/ivg_solver.h"
 #include "core/octree/octree_solver.h"
 #include "widgets/gl/renderer.h"
 #include <QOffscreenSurface>
@@ -37,20 +38,31 @@ private:
     GlFramebuffer target_;
 };
 
-/// What a light-octree bake ends with; null if it failed.
-inline std::shared_ptr<const LightOctree> bakeOctree(const std::shared_ptr<const Scene>& scene,
-                                                     const BakeParams& params)
+/// What a solver ends with; null if it failed.
+template<class Field, class SolverOfIt>
+std::shared_ptr<const Field> bakeField(const std::shared_ptr<const Scene>& scene, const BakeParams& params)
 {
-    std::shared_ptr<const LightOctree> last;
+    std::shared_ptr<const Field> last;
     Workers workers;
     BakeProducts products;
-    BakeControl control(workers,
-                        {[&](Snapshot s) { last = std::dynamic_pointer_cast<const LightOctree>(s.field); }, {}});
+    BakeControl control(workers, {[&](Snapshot s) { last = std::dynamic_pointer_cast<const Field>(s.field); }, {}});
     BakeJob job;
     job.scene = scene;
     job.params = params;
-    OctreeSolver solver;
+    SolverOfIt solver;
     return solver.bake(job, products, control) ? last : nullptr;
+}
+
+inline std::shared_ptr<const LightOctree> bakeOctree(const std::shared_ptr<const Scene>& scene,
+                                                     const BakeParams& params)
+{
+    return bakeField<LightOctree, OctreeSolver>(scene, params);
+}
+
+inline std::shared_ptr<const IrradianceGrid> bakeGrid(const std::shared_ptr<const Scene>& scene,
+                                                      const BakeParams& params)
+{
+    return bakeField<IrradianceGrid, IvgSolver>(scene, params);
 }
 
 /// The scene's camera `index` for pictures of `size`.

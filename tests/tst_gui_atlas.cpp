@@ -236,10 +236,10 @@ private Q_SLOTS:
         QTRY_VERIFY_WITH_TIMEOUT(viewport.hasAtlas(), kPatience);
         QVERIFY(settle(viewport));
         const QImage bright = viewport.grabFramebuffer();
-        const std::uint64_t before = window->snapshots().shown()->mixSerial;
+        const std::uint64_t before = window->snapshots().shown()->lookSerial;
         auto* slider = window->sceneDock().findChild<QSlider*>();
         slider->setValue(slider->maximum() / 8);
-        QTRY_VERIFY_WITH_TIMEOUT(window->snapshots().shown()->mixSerial > before, kPatience);
+        QTRY_VERIFY_WITH_TIMEOUT(window->snapshots().shown()->lookSerial > before, kPatience);
         QVERIFY(settle(viewport));
         const QImage dim = viewport.grabFramebuffer();
         const auto level = [](const QImage& image) {

@@ -126,9 +126,9 @@ private Q_SLOTS:
         QVERIFY2(desk.state().startsWith("Replaces light.exr, light.glb"), qPrintable(desk.state()));
         const auto* slider = desk.window->sceneDock().findChild<QSlider*>();
         QVERIFY(slider != nullptr);
-        const std::uint64_t before = desk.window->snapshots().shown()->mixSerial;
+        const std::uint64_t before = desk.window->snapshots().shown()->lookSerial;
         desk.window->sceneDock().findChild<QSlider*>()->setValue(slider->maximum() / 4);
-        QTRY_VERIFY_WITH_TIMEOUT(desk.window->snapshots().shown()->mixSerial > before, kPatience);
+        QTRY_VERIFY_WITH_TIMEOUT(desk.window->snapshots().shown()->lookSerial > before, kPatience);
         desk.run();
         QVERIFY2(desk.isDone, qPrintable(desk.state()));
         const glm::dvec3 dimmed = sumOf(desk.path("out/light.exr"));

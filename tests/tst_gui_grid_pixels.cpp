@@ -2,8 +2,8 @@
 // Claim: the viewport shows what an irradiance grid says, in every form and with every filter: illuminance per pixel
 // equals IrradianceGrid::lookup at the same points, as far as half floats tell.
 #include "core/base/units.h"
-#include "core/ivg/ivg_solver.h"
 #include "core/scene/sample_scenes.h"
+#include "core/scene/scene_builder.h"
 #include "gui_fixture.h"
 #include "widgets/gl/gl_probe.h"
 #include <QGuiApplication>
@@ -122,15 +122,7 @@ class GridPixelsTest : public QObject {
         params.gridSize = 16;
         params.gridShift = shift;
         if (name == "gallery") params.gridSizeY = 12, params.gridSizeZ = 7; // cells that are no cubes
-        Workers workers;
-        BakeProducts products;
-        BakeControl control(workers,
-                            {[&](Snapshot s) { kept = std::dynamic_pointer_cast<const IrradianceGrid>(s.field); }, {}});
-        BakeJob job;
-        job.scene = scene;
-        job.params = params;
-        (void)IvgSolver().bake(job, products, control);
-        return kept;
+        return kept = bakeGrid(scene, params);
     }
 
 private Q_SLOTS:
@@ -256,6 +248,55 @@ private Q_SLOTS:
             QVERIFY(largest(all - parts) <= 16.0f * kHalfStep * around);
         }
         QVERIFY(lit > 1000);
+    }
+
+    void aGuestIsLitByTheGrid_data()
+    {
+        QTest::addColumn<int>("filter");
+        QTest::newRow("trilinear") << int(GridFilter::trilinear);
+        QTest::newRow("b-spline") << int(GridFilter::bspline);
+    }
+    void aGuestIsLitByTheGrid() // a ball that was not there when it was baked, at two places, by the same textures
+    {
+        QFETCH(int, filter);
+        const auto scene = std::make_shared<const Scene>(cornellBox());
+        const auto baked = bake("cornell", scene, 0.0f);
+        auto renderer = Renderer::make(*gl_.gl);
+        QVERIFY(baked && renderer);
+        Renderer& draw = **renderer;
+        QVERIFY(draw.setScene(makeDrawData(scene)));
+        const auto grid = baked->withShow({GridRemap::joined, GridFilter(filter), 0.5f});
+        QVERIFY(draw.setGrid(std::make_shared<GpuGrid>(*makeGpuGrid(*grid))));
+        FrameView frame = viewOf(*scene, 0, kSize);
+        frame.mode = ViewMode::grid;
+        QVERIFY(draw.draw(frame, 0, kSize, gl_.target(), kSize));
+        const auto without = draw.readBack();
+        SceneBuilder builder("guest");
+        const float radius = 0.14f * scene->bounds.longestSide();
+        builder.add("Ball", sphereMesh(glm::vec3(0.0f), radius, 32), builder.addMaterial("grey", glm::vec3(0.5f)));
+        draw.setGuest(makeDrawData(std::make_shared<const Scene>(builder.finish())));
+        for (const glm::vec3 shift : {glm::vec3(-1.5f, 1.2f, 0.0f), glm::vec3(1.4f, 2.0f, 1.0f)}) {
+            const glm::vec3 centre = scene->bounds.centre() + radius * shift;
+            draw.setGuestPlace(glm::translate(glm::mat4(1.0f), centre));
+            QVERIFY(draw.draw(frame, 0, kSize, gl_.target(), kSize));
+            const auto pixels = draw.illuminance(frame, true);
+            const auto surfaces = draw.readBack();
+            std::size_t onBall = 0;
+            for (std::size_t i = 0; i < pixels.size(); ++i) {
+                if (surfaces.position[i] == without.position[i]) continue;
+                const glm::vec3 p = xyz(surfaces.position[i]), n = xyz(surfaces.normal[i]);
+                ++onBall;
+                QVERIFY(std::abs(glm::length(p - centre) - radius) <= 0.01f * radius);
+                glm::vec3 lux(0.0f);
+                QVERIFY(grid->lookup(p, n, lux) && pixels[i].w > 0.5f); // in mid-air it always has an answer
+                QVERIFY(largest(xyz(pixels[i]) - lux) <= 8.0f * kHalfStep * lightAround(*grid, p, n));
+            }
+            qInfo("%s: %zu pixels of the ball", QTest::currentDataTag(), onBall);
+            QVERIFY(onBall > 1000);
+        }
+        draw.setGuest(nullptr);
+        QVERIFY(draw.draw(frame, 0, kSize, gl_.target(), kSize));
+        QVERIFY(draw.readBack().position == without.position);
     }
 
     void anOctreeTakesItsPlace() // and it the octree's: what was set last is shown

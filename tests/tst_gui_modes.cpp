@@ -20,16 +20,6 @@ using namespace lightloom::test;
 
 namespace {
 
-/// Mean of the picture's grey, and of its difference from another, 0 to 255.
-double meanDifference(const QImage& a, const QImage& b)
-{
-    double sum = 0.0;
-    for (int y = 0; y < a.height(); ++y) {
-        for (int x = 0; x < a.width(); ++x) sum += std::abs(qGray(a.pixel(x, y)) - qGray(b.pixel(x, y)));
-    }
-    return sum / (double(a.width()) * a.height());
-}
-
 /// Longest time between two turns of the event loop.
 class Heartbeat {
 public:

@@ -3,6 +3,7 @@
 #include "widgets/main_window.h"
 #include "widgets/viewport.h"
 #include <QAction>
+#include <QImage>
 #include <QMouseEvent>
 #include <QSignalSpy>
 #include <QTemporaryDir>
@@ -77,6 +78,16 @@ inline QAction* actionNamed(MainWindow& window, const QString& text)
         if (action->text().remove('&').startsWith(text)) return action;
     }
     return nullptr;
+}
+
+/// How far the greys of two pictures of one size are apart in the mean, 0 to 255.
+inline double meanDifference(const QImage& a, const QImage& b)
+{
+    double sum = 0.0;
+    for (int y = 0; y < a.height(); ++y) {
+        for (int x = 0; x < a.width(); ++x) sum += std::abs(qGray(a.pixel(x, y)) - qGray(b.pixel(x, y)));
+    }
+    return sum / (double(a.width()) * a.height());
 }
 
 /// With the left button, in four steps.

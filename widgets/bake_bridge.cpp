@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "widgets/bake_bridge.h"
-#include "core/octree/octree_solver.h"
+#include "core/bake/solver_for.h"
 #include "core/photonmap/photon_map_solver.h"
 #include "core/photonmap/photon_products.h"
 #include "widgets/background.h"
@@ -32,13 +32,26 @@ std::shared_ptr<const PhotonMapField> photonsOf(const BakeJob& job, const SceneP
 
 } // namespace
 
+/// Each job by the method that it was posted for, all on the same products.
+class BakeBridge::Solvers final : public Solver {
+public:
+    explicit Solvers(BakeBridge& bridge) : bridge_(bridge) {}
+    Result<Done> bake(const BakeJob& job, BakeProducts& products, BakeControl& control) override
+    {
+        return solverFor(bridge_.methodOf(job.serial))->bake(job, products, control);
+    }
+
+private:
+    BakeBridge& bridge_;
+};
+
 BakeBridge::BakeBridge(QObject* parent) : QObject(parent)
 {
     std::thread starter([this] { // bake threads inherit its priority; the UI thread's must stay as it is
         lowerPriority(kBakeNice);
         workers_ = std::make_unique<Workers>();
         session_ = std::make_unique<BakeSession>(
-            *workers_, std::make_unique<OctreeSolver>(),
+            *workers_, std::make_unique<Solvers>(*this),
             BakeSession::Sinks{[this](Snapshot snapshot) { publish(std::move(snapshot)); },
                                [this](Progress progress) { Q_EMIT progressed(progress); },
                                [this](std::uint64_t serial, const Result<Done>& outcome) {
@@ -54,35 +67,40 @@ BakeBridge::BakeBridge(QObject* parent) : QObject(parent)
 
 BakeBridge::~BakeBridge() { session_.reset(); } // while the signals it may still send exist
 
-std::uint64_t BakeBridge::start(BakeJob job, bool urgent)
+std::uint64_t BakeBridge::start(Method method, BakeJob job, bool urgent)
 {
     std::lock_guard lock(mutex_); // the worker must not publish before the serial's scene is known
     job_ = job;
     serial_ = session_->post(std::move(job), urgent);
+    methods_[serial_] = method;
     return serial_;
+}
+
+Method BakeBridge::methodOf(std::uint64_t serial)
+{
+    std::lock_guard lock(mutex_); // `start` has noted it by then
+    methods_.erase(methods_.begin(), methods_.find(serial));
+    return methods_.at(serial);
 }
 
 void BakeBridge::cancel() { session_->cancel(); }
 void BakeBridge::setPaused(bool paused) { session_->setPaused(paused); }
 
-void BakeBridge::setMix(Mix mix, std::uint64_t serial)
+void BakeBridge::setLook(Look look)
 {
     std::lock_guard lock(mutex_);
-    mix_ = std::move(mix);
-    mixSerial_ = serial;
+    look_ = std::move(look);
 }
 
 void BakeBridge::publish(Snapshot snapshot)
 {
     BakeView view;
     view.snapshot = std::move(snapshot);
-    Mix mix;
-    std::uint64_t serial = 0;
+    Look look;
     BakeJob job;
     {
         std::lock_guard lock(mutex_);
-        mix = mix_;
-        serial = mixSerial_;
+        look = look_;
         if (serial_ == view.snapshot.serial) job = job_;
     }
     view.cpuSeconds = allCpuSeconds(session_->products().counters.stages);
@@ -102,7 +120,7 @@ void BakeBridge::publish(Snapshot snapshot)
             }
         }
     }
-    Q_EMIT shown(withMix(std::move(view), mix, serial));
+    Q_EMIT shown(withLook(std::move(view), look));
 }
 
 } // namespace lightloom

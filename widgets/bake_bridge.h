@@ -3,6 +3,7 @@
 #include "core/bake/bake_session.h"
 #include "widgets/bake_view.h"
 #include <QObject>
+#include <map>
 #include <memory>
 #include <mutex>
 
@@ -17,12 +18,12 @@ public:
     ~BakeBridge() override; ///< stops what runs, paused or not
 
     /// Returns at once with the job's serial. `urgent`: do not wait for the running bake's coarse picture.
-    std::uint64_t start(BakeJob job, bool urgent);
+    std::uint64_t start(Method method, BakeJob job, bool urgent);
     void cancel();
     void setPaused(bool paused);
     [[nodiscard]] bool isPaused() const { return session_->isPaused(); }
-    /// Mix of pictures that are published from now on.
-    void setMix(Mix mix, std::uint64_t serial);
+    /// How what is published from now on is looked at.
+    void setLook(Look look);
 
 Q_SIGNALS:
     void shown(lightloom::BakeView view);
@@ -31,13 +32,15 @@ Q_SIGNALS:
     void finished(quint64 serial, QString error, bool isCancelled, lightloom::WorkCounters counters);
 
 private:
+    class Solvers;
     void publish(Snapshot snapshot);
+    [[nodiscard]] Method methodOf(std::uint64_t serial); ///< of a job that is baked now: older ones are forgotten
 
     std::mutex mutex_;
-    Mix mix_;
-    std::uint64_t mixSerial_ = 0;
-    BakeJob job_;              ///< the newest
-    std::uint64_t serial_ = 0; ///< its
+    Look look_;
+    std::map<std::uint64_t, Method> methods_; ///< of jobs, by serial
+    BakeJob job_;                             ///< the newest
+    std::uint64_t serial_ = 0;                ///< its
     std::unique_ptr<Workers> workers_;
     std::unique_ptr<BakeSession> session_;
 };

@@ -13,15 +13,16 @@ namespace lightloom {
 
 namespace {
 
-QString stageWord(Stage stage)
+QString stageWord(Stage stage, Method method)
 {
+    const bool isGrid = method == Method::irradianceGrid;
     switch (stage) {
     case Stage::shoot:
         return QObject::tr("Shooting photons");
     case Stage::build:
-        return QObject::tr("Building the octree");
+        return isGrid ? QObject::tr("Placing the grid") : QObject::tr("Building the octree");
     case Stage::fit:
-        return QObject::tr("Gathering light");
+        return isGrid ? QObject::tr("Summing light") : QObject::tr("Gathering light");
     case Stage::show:
         break;
     }
@@ -87,6 +88,8 @@ void BakePanel::clear()
     for (QLabel* label : {light_, counters_}) label->setEnabled(true);
 }
 
+void BakePanel::setMethod(Method method) { method_ = method; }
+
 void BakePanel::begin()
 {
     times_.clear();
@@ -102,7 +105,7 @@ void BakePanel::forgetDepths() { times_.clear(); }
 void BakePanel::show(const Progress& progress)
 {
     setFraction(*bar_, progress.fraction);
-    QString line = tr("%1, %2 %").arg(stageWord(progress.stage)).arg(progress.fraction * 100.0, 0, 'f', 0);
+    QString line = tr("%1, %2 %").arg(stageWord(progress.stage, method_)).arg(progress.fraction * 100.0, 0, 'f', 0);
     if (progress.remainingSeconds >= 0.0) line += tr(", about %1 s left").arg(progress.remainingSeconds, 0, 'f', 1);
     stage_->setText(line);
 }
@@ -110,11 +113,14 @@ void BakePanel::show(const Progress& progress)
 void BakePanel::add(const BakeView& view)
 {
     if (!times_.isEmpty()) times_ += QStringLiteral("<br>");
-    times_ += (view.snapshot.isRough ? tr("Rough: %1, %2 CPU-s, %3 entries")
-                                     : tr("Depth %1: %2, %3 CPU-s, %4 entries").arg(view.snapshot.level))
-                  .arg(seconds(view.snapshot.elapsedMs))
-                  .arg(view.cpuSeconds, 0, 'f', 2)
-                  .arg(count(view.entries));
+    const QString cost = tr("%1, %2 CPU-s").arg(seconds(view.snapshot.elapsedMs)).arg(view.cpuSeconds, 0, 'f', 2);
+    if (view.isGrid()) {
+        times_ += tr("%1: %2, %3").arg(shortName(view.snapshot), cost, gridSizeText(view.snapshot));
+    } else {
+        times_ += (view.snapshot.isRough ? tr("Rough: %1, %2 entries")
+                                         : tr("Depth %3: %1, %2 entries").arg(view.snapshot.level))
+                      .arg(cost, count(view.entries));
+    }
     depths_->setText(times_);
 }
 
@@ -133,6 +139,9 @@ void BakePanel::end(const QString& outcome, const WorkCounters& c)
                        .arg(count(c.photonsShot), count(c.photonsStored), count(c.photonsReused), count(c.raysTraced));
     text += tr("<br>Lamps: %1 on, photons of %2 kept, %3 off").arg(c.groupsBaked).arg(c.groupsReused).arg(c.groupsOff);
     if (c.pathsCutOff > 0) text += tr("<br>%1 paths were cut off at the longest allowed").arg(count(c.pathsCutOff));
+    if (method_ == Method::irradianceGrid) {
+        text += tr("<br>Grid: %1 vertices in the open, %2 deposits").arg(count(c.vertices), count(c.deposits));
+    }
     if (c.degenerateEntries > 0) text += tr("<br>%1 entries had no area to gather on").arg(count(c.degenerateEntries));
     counters_->setText(text);
 }

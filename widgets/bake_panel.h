@@ -18,6 +18,7 @@ class BakePanel final : public QWidget {
     Q_OBJECT
 public:
     BakePanel(QAction* start, QAction* pause, QAction* cancel, QWidget* parent = nullptr);
+    void setMethod(Method method);
     void begin();
     void show(const Progress& progress);
     void add(const BakeView& view);       ///< the bake came so far
@@ -35,6 +36,7 @@ private:
     QLabel *stage_, *depths_, *noise_, *light_, *counters_;
     QProgressBar* bar_;
     QString times_;
+    Method method_ = Method::lightOctree;
 };
 
 } // namespace lightloom

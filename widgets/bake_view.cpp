@@ -2,6 +2,8 @@
 #include "widgets/bake_view.h"
 #include "core/compare/field_noise.h"
 #include "core/octree/detail_union.h"
+#include <QObject>
+#include <algorithm>
 
 namespace lightloom {
 
@@ -31,35 +33,105 @@ Textures texturesOf(std::shared_ptr<const LightOctree> octree)
     }
 }
 
-} // namespace
-
-BakeView withMix(BakeView view, const Mix& mix, std::uint64_t mixSerial)
+void addOctree(const std::shared_ptr<const LightOctree>& octree, BakeView& view)
 {
-    view.mixSerial = mixSerial;
-    view.snapshot.field = view.snapshot.field->withMix(mix);
-    if (view.photons) view.photons = std::static_pointer_cast<const PhotonMapField>(view.photons->withMix(mix));
-    view.noise = view.noisePoints ? statedNoise(*view.snapshot.field, *view.noisePoints) : std::nullopt;
-    const auto octree = std::dynamic_pointer_cast<const LightOctree>(view.snapshot.field);
-    if (!octree) {
-        view.problem = QStringLiteral("This viewport cannot show the method %1.")
-                           .arg(QString::fromStdString(std::string(view.snapshot.field->method())));
-        return view;
-    }
     view.colours = octree->showing(OctreeShow::colour);
     Textures textures = texturesOf(octree);
     Result<GpuOctree>& gpu = textures.lights;
     Result<GpuOctree>& gpuOfColours = textures.colours;
     if (!gpuOfColours) {
-        view.gpu.reset();
-        view.gpuOfColours.reset();
         view.problem = QString::fromStdString(gpuOfColours.error().message);
-        return view;
+        return;
     }
     view.leaves = gpu->leafCount;
     view.entries = gpu->entryCount;
     view.gpu = std::make_shared<const GpuOctree>(std::move(*gpu));
     view.gpuOfColours = std::make_shared<const GpuOctree>(std::move(*gpuOfColours));
     view.problem = std::move(textures.remark);
+}
+
+void addGrid(std::shared_ptr<const IrradianceGrid> grid, const Look& look, BakeView& view)
+{
+    if (!(grid->show() == look.grid)) view.snapshot.field = grid = grid->withShow(look.grid);
+    view.params.gridRemap = look.grid.remap;
+    view.params.gridFilter = look.grid.filter;
+    view.params.gridOffset = look.grid.offset;
+    view.vertices = gridVertices(*grid, look.mix, look.vertices);
+    Result<GpuGrid> gpu = makeGpuGrid(*grid, look.packing);
+    if (gpu) {
+        view.gpuGrid = std::make_shared<const GpuGrid>(std::move(*gpu));
+    } else {
+        view.problem = QString::fromStdString(gpu.error().message);
+    }
+}
+
+} // namespace
+
+namespace {
+
+/// Null: it is none.
+const IrradianceGrid* gridOf(const Snapshot& snapshot)
+{
+    return dynamic_cast<const IrradianceGrid*>(snapshot.field.get());
+}
+
+int longestSide(glm::ivec3 cells) { return std::max({cells.x, cells.y, cells.z}); }
+
+} // namespace
+
+QString gridSizeText(const Snapshot& snapshot)
+{
+    const IrradianceGrid* grid = gridOf(snapshot);
+    if (grid == nullptr) return {};
+    const glm::ivec3 cells = grid->geometry().lattice.cells;
+    return QObject::tr("%1 x %2 x %3 cells").arg(cells.x).arg(cells.y).arg(cells.z);
+}
+
+QString shortName(const Snapshot& snapshot)
+{
+    if (snapshot.isRough) return QObject::tr("rough");
+    if (const IrradianceGrid* grid = gridOf(snapshot))
+        return QObject::tr("N %1").arg(longestSide(grid->geometry().lattice.cells));
+    return QObject::tr("d%1").arg(snapshot.level);
+}
+
+QString fullName(const Snapshot& snapshot)
+{
+    const IrradianceGrid* grid = gridOf(snapshot);
+    if (snapshot.isRough)
+        return grid != nullptr ? QObject::tr("Irradiance grid, rough") : QObject::tr("Light octree, rough");
+    if (grid == nullptr) return QObject::tr("Light octree, depth %1").arg(snapshot.level);
+    const QString name = QObject::tr("Irradiance grid, N %1").arg(longestSide(grid->geometry().lattice.cells));
+    switch (grid->show().filter) {
+    case GridFilter::bspline:
+        return QObject::tr("%1, tricubic").arg(name);
+    case GridFilter::catmullRom:
+        return QObject::tr("%1, Catmull-Rom").arg(name);
+    case GridFilter::trilinear:
+        break;
+    }
+    return name;
+}
+
+BakeView withLook(BakeView view, const Look& look)
+{
+    view.lookSerial = look.serial;
+    view.snapshot.field = view.snapshot.field->withMix(look.mix);
+    if (view.photons) view.photons = std::static_pointer_cast<const PhotonMapField>(view.photons->withMix(look.mix));
+    view.gpu.reset();
+    view.gpuGrid.reset();
+    view.vertices.reset();
+    view.gpuOfColours.reset();
+    view.problem.clear();
+    if (const auto octree = std::dynamic_pointer_cast<const LightOctree>(view.snapshot.field)) {
+        addOctree(octree, view);
+    } else if (const auto grid = std::dynamic_pointer_cast<const IrradianceGrid>(view.snapshot.field)) {
+        addGrid(grid, look, view);
+    } else {
+        view.problem = QStringLiteral("This viewport cannot show the method %1.")
+                           .arg(QString::fromStdString(std::string(view.snapshot.field->method())));
+    }
+    view.noise = view.noisePoints ? statedNoise(*view.snapshot.field, *view.noisePoints) : std::nullopt;
     return view;
 }
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "core/bake/gpu_layout.h"
+#include "core/ivg/grid_gpu.h"
 #include "core/photonmap/photon_map_solver.h"
 #include "core/trace/light_reach.h"
+#include "widgets/grid_vertices.h"
 #include <QMetaType>
 #include <QString>
 #include <cstdint>
@@ -12,23 +14,40 @@
 
 namespace lightloom {
 
+/// How a bake's light is looked at. No bake is needed to change it.
+struct Look {
+    Mix mix;
+    GridShow grid; ///< of irradiance grids
+    GridPacking packing = GridPacking::exact;
+    VertexMarks vertices = VertexMarks::none;
+    std::uint64_t serial = 0; ///< the newest is what the window wants
+};
+
 /// A refinement of a bake, ready for the viewport: made on a worker, never changed afterwards, cheap to copy.
 struct BakeView {
-    Snapshot snapshot;                             ///< its field is under the mix numbered `mixSerial`
-    std::shared_ptr<const GpuOctree> gpu;          ///< null: the layout was refused, see `problem`
-    std::shared_ptr<const IndirectField> colours;  ///< the snapshot's field as a colour octree
+    Snapshot snapshot;                             ///< its field is as the look numbered `lookSerial` has it
+    std::shared_ptr<const GpuOctree> gpu;          ///< null: no octree, or its layout was refused, see `problem`
+    std::shared_ptr<const GpuGrid> gpuGrid;        ///< likewise, of an irradiance grid
+    std::shared_ptr<const IndirectField> colours;  ///< an octree as a colour octree
     std::shared_ptr<const GpuOctree> gpuOfColours; ///< the same for the viewport; as `gpu`
+    std::shared_ptr<const GridVertices> vertices;  ///< of a grid, where the look asks for them
     QString problem;                               ///< why there is nothing to show; empty: there is
     std::shared_ptr<const PhotonMapField> photons; ///< that it was baked from, under the same mix; null: not known
-    BakeParams params;                             ///< that it was baked with
-    std::uint64_t mixSerial = 0;
+    BakeParams params;                             ///< that it was baked with, and is looked at
+    std::uint64_t lookSerial = 0;
     std::shared_ptr<const RayScene> rays;                         ///< of the same scene, for measuring direct light
     std::shared_ptr<const LightSampler> lights;                   ///< of the same scene
     std::shared_ptr<const LightReach> reach;                      ///< likewise
     std::shared_ptr<const std::vector<SurfacePoint>> noisePoints; ///< where noise is asked for; null: nowhere
     std::optional<double> noise; ///< what the bake itself states, a fraction of the mean, under its mix
     double cpuSeconds = 0;       ///< of all threads, until this was published; what was kept counts as it cost then
-    std::uint64_t leaves = 0, entries = 0;
+    std::uint64_t leaves = 0, entries = 0; ///< of an octree
+
+    [[nodiscard]] bool isGrid() const { return snapshot.field && snapshot.field->method() == "irradiance-grid"; }
+    [[nodiscard]] std::size_t textureBytes() const
+    {
+        return (gpu ? gpu->memoryBytes() : 0) + (gpuGrid ? gpuGrid->memoryBytes() : 0);
+    }
 };
 
 /// Light under the cursor.
@@ -38,8 +57,15 @@ struct Measurement {
     double directLux = 0, indirectLux = -1; ///< luminance of the illuminance; negative: not known there
 };
 
-/// `view` under another mix. Any thread; a few milliseconds to some hundred for the largest bakes.
-[[nodiscard]] BakeView withMix(BakeView view, const Mix& mix, std::uint64_t mixSerial);
+/// "32 x 20 x 32 cells".
+[[nodiscard]] QString gridSizeText(const Snapshot& snapshot);
+/// A refinement in a word or two: "rough", "d5", "N 32".
+[[nodiscard]] QString shortName(const Snapshot& snapshot);
+/// The same in words: "Light octree, depth 5", "Irradiance grid, N 32, tricubic".
+[[nodiscard]] QString fullName(const Snapshot& snapshot);
+
+/// `view` looked at in another way. Any thread; a few milliseconds to some hundred for the largest bakes.
+[[nodiscard]] BakeView withLook(BakeView view, const Look& look);
 
 } // namespace lightloom
 

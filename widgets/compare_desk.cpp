@@ -215,7 +215,9 @@ void CompareDesk::tellLegend()
 {
     const bool isReference = parts_.viewport->mode() == ViewMode::reference;
     const bool isPhotonMap = parts_.viewport->mode() == ViewMode::photonMap;
-    parts_.legend->setVisible(shown_ || isReference || isPhotonMap);
+    const bool isNoteAlone = !note_.isEmpty() && !shown_ && !isReference && !isPhotonMap;
+    parts_.legend->setVisible(shown_ || isReference || isPhotonMap || isNoteAlone);
+    if (isNoteAlone) return parts_.legend->show(nullptr, note_);
     if (isPhotonMap && !shown_) {
         parts_.legend->show(nullptr, photonState_);
     } else if (shown_ && error_) {
@@ -225,6 +227,12 @@ void CompareDesk::tellLegend()
     } else {
         parts_.legend->show(nullptr, tr("Reference: %1").arg(parts_.panel->stateText()));
     }
+}
+
+void CompareDesk::showNote(const QString& text)
+{
+    note_ = text;
+    tellLegend();
 }
 
 void CompareDesk::showPhotonState(const QString& text)
@@ -268,11 +276,9 @@ void CompareDesk::tellNames()
         left += tr(", noise %1 %").arg(100.0 * picture_->noise, 0, 'f', 1);
     }
     const ViewMode mode = parts_.viewport->mode();
-    const QString name = mode == ViewMode::colours ? tr("Colour octree")
-                         : mode == ViewMode::atlas ? tr("Atlas")
-                                                   : tr("Octree");
-    QString right =
-        view_.snapshot.isRough ? tr("%1, rough").arg(name) : tr("%1, depth %2").arg(name).arg(view_.snapshot.level);
+    QString right = fullName(view_.snapshot);
+    if (mode == ViewMode::atlas) right = tr("Atlas of %1").arg(right);
+    if (mode == ViewMode::colours) right = tr("Colours of %1").arg(right);
     if (mode == ViewMode::photonMap) right = tr("Photon map");
     if (mode == ViewMode::direct) right = tr("Direct light");
     if (mode == ViewMode::plain) right = tr("Plain");

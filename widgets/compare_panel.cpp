@@ -147,8 +147,7 @@ void ComparePanel::show(const ErrorPicture& picture)
         return;
     }
     const ErrorMetrics& m = picture.error->metrics;
-    judged_->setText(picture.snapshot.isRough ? tr("Rough picture of the bake")
-                                              : tr("Light octree, depth %1").arg(picture.snapshot.level));
+    judged_->setText(fullName(picture.snapshot));
     if (picture.error->noise > kNoisy * m.relRmse)
         judged_->setText(tr("%1; noise of the reference still counts").arg(judged_->text()));
     for (std::size_t i = 0; i < kFigures.size(); ++i)

@@ -42,8 +42,9 @@ ExportDialog::ExportDialog(QWidget* parent, std::function<std::optional<ExportOr
                 "export.gltf", true);
     lightmap_ = box(tr("Lightmap (.exr)"), tr("Illuminance in lux on every surface, 32-bit float RGB"),
                     "export.lightmap", true);
-    volume_ = box(tr("Octree (.vdb)"), tr("The octree's leaves as OpenVDB grids: irradiance, normals, virtual lights"),
-                  "export.volume", false);
+    volume_ =
+        box(tr("Volume (.vdb)"), tr("What the bake keeps as OpenVDB grids, an octree's leaves or a grid's vertices"),
+            "export.volume", false);
     direct_ = box(tr("Direct light too"), tr("Into the lightmap; the .glb then has no lamps"), "export.direct", false);
     sceneUv_ = box(tr("The scene's own second UV set"),
                    tr("Instead of new charts; it must lie in 0..1 and overlap nowhere"), "export.sceneUv", false);
@@ -172,7 +173,9 @@ void ExportDialog::showState()
         const QFileInfo file(QFile::decodeName(path.string().c_str()));
         if (!path.empty() && file.exists()) replaced += file.fileName();
     }
-    const Result<Done> fine = checkExport(wanted, Method::lightOctree);
+    const std::optional<ExportOrder> order = order_();
+    const bool isGrid = order && order->view.isGrid();
+    const Result<Done> fine = checkExport(wanted, isGrid ? Method::irradianceGrid : Method::lightOctree);
     const bool hasPlace = !place.fileName().isEmpty() && place.dir().exists();
     go_->setEnabled(fine && hasPlace);
     say(!fine                ? QString::fromStdString(fine.error().message)

@@ -92,13 +92,6 @@ void LampDesk::draw()
     viewport_->setLampMarks(std::move(marks));
 }
 
-SightLine LampDesk::sightAt(QPointF position) const
-{
-    const double width = std::max(viewport_->width(), 1), height = std::max(viewport_->height(), 1);
-    const glm::vec2 at(static_cast<float>(position.x() / width), 1.0f - static_cast<float>(position.y() / height));
-    return {viewport_->camera().eye(), viewport_->camera().through(at, static_cast<float>(width / height))};
-}
-
 double LampDesk::pixelsTo(QPointF position, const HandleLine& line) const
 {
     const auto a = viewport_->placeIn(line.a), b = viewport_->placeIn(line.b);
@@ -165,7 +158,7 @@ bool LampDesk::press(const QMouseEvent& event)
     held_ = handleAt(pressed_);
     if (held_ == LampHandle::none) return false; // the camera's, or a click
     before_ = lamp();
-    from_ = sightAt(pressed_);
+    from_ = viewport_->sightAt(pressed_);
     anchorThen_ = anchor();
     sizeThen_ = sizeAt(lampPlace(lamp(), anchor()));
     draw();
@@ -177,8 +170,8 @@ bool LampDesk::move(const QMouseEvent& event)
     cursor_ = event.position();
     if (isDragging() && !event.buttons().testFlag(Qt::LeftButton)) drop(); // let go where nobody told us
     if (isDragging()) {
-        Q_EMIT dragged(light_,
-                       lightloom::dragged(*before_, held_, anchorThen_, sizeThen_, from_, sightAt(event.position())));
+        Q_EMIT dragged(light_, lightloom::dragged(*before_, held_, anchorThen_, sizeThen_, from_,
+                                                  viewport_->sightAt(event.position())));
         return true;
     }
     if (event.buttons() != Qt::NoButton) return false;

@@ -52,7 +52,6 @@ private:
     void cancel();
     void take(int group, int light);
     void draw();
-    [[nodiscard]] SightLine sightAt(QPointF position) const;
     [[nodiscard]] glm::vec3 anchor() const;
     [[nodiscard]] float sizeAt(glm::vec3 place) const; ///< of handles, so that they look alike at any distance
     [[nodiscard]] std::vector<HandleLine> handles() const;

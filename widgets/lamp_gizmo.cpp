@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <optional>
 #include <tuple>
 
 namespace lightloom {
@@ -62,24 +61,6 @@ void addCube(LampHandle handle, glm::vec3 centre, float half, std::vector<Handle
             out.push_back({handle, corner(i), corner(i | axis)});
         }
     }
-}
-
-/// How far along the axis through `p` its point nearest to the line of sight lies. Nothing: they run alike.
-std::optional<float> alongAxis(glm::vec3 p, glm::vec3 axis, const SightLine& sight)
-{
-    const float cosine = glm::dot(axis, sight.along), sine2 = 1.0f - cosine * cosine;
-    if (!(sine2 > 1e-3f)) return std::nullopt;
-    const glm::vec3 d = sight.eye - p;
-    return (glm::dot(d, axis) - glm::dot(d, sight.along) * cosine) / sine2;
-}
-
-std::optional<glm::vec3> onPlane(glm::vec3 p, glm::vec3 n, const SightLine& sight)
-{
-    const float slope = glm::dot(sight.along, n);
-    if (!(std::abs(slope) > 1e-3f)) return std::nullopt;
-    const float t = glm::dot(p - sight.eye, n) / slope;
-    if (!(t > 0.0f)) return std::nullopt;
-    return sight.eye + t * sight.along;
 }
 
 /// The near point of a ball that the line of sight meets; where it passes by, the point of the ball nearest to it.

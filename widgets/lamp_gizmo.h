@@ -2,6 +2,7 @@
 #pragma once
 #include "core/scene/scene.h"
 #include "widgets/gl/mark_pass.h"
+#include "widgets/sight_line.h"
 #include <vector>
 
 namespace lightloom {
@@ -14,11 +15,6 @@ enum class LampHandle {
     z,
     free, ///< moves in the plane across the line of sight
     aim   ///< turns spots and suns
-};
-
-/// A line of sight through the picture.
-struct SightLine {
-    glm::vec3 eye{0.0f}, along{0.0f, 0.0f, -1.0f}; ///< scene space, unit
 };
 
 /// A handle as lines in the scene: what is drawn, and what the mouse may come near.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "widgets/main_window.h"
+#include "core/ivg/ivg_solver.h"
 #include "core/octree/octree_solver.h"
 #include "core/params/param_text.h"
 #include "widgets/atlas_desk.h"
@@ -8,6 +9,7 @@
 #include "widgets/compare_desk.h"
 #include "widgets/edit_command.h"
 #include "widgets/export_dialog.h"
+#include "widgets/guest_desk.h"
 #include "widgets/message_bar.h"
 #include "widgets/param_panel.h"
 #include "widgets/photon_desk.h"
@@ -63,7 +65,7 @@ QString fromView(std::string_view s) { return QString::fromUtf8(s.data(), static
 /// What the snapshot was made with; a coarse one may be shown.
 BakeParams bakedParams(const BakeView& view)
 {
-    if (view.snapshot.isFinal) return view.params;
+    if (view.snapshot.isFinal || view.isGrid()) return view.params;
     BakeParams params = view.snapshot.isRough ? roughParams(view.params) : view.params;
     params.octreeDepth = view.snapshot.level;
     params.octreeDetail = 0; // these leaves come last
@@ -74,6 +76,7 @@ BakeParams bakedParams(const BakeView& view)
 std::string missingIn(const BakeView& view)
 {
     if (view.snapshot.isFinal) return {};
+    if (view.isGrid()) return "fewer photons than asked for; the bake was not finished";
     const BakeParams baked = bakedParams(view);
     std::string text = fmt::format("depth {} of {}", view.snapshot.level, view.params.octreeDepth);
     if (view.params.octreeDetail > 0) text += ", no deeper leaves";
@@ -106,6 +109,7 @@ MainWindow::MainWindow(QSettings* settings)
     connectWorkers();
     connectCompare();
     connectLamps();
+    connectGuests();
     editDelay_.setSingleShot(true);
     editDelay_.setInterval(kEditDelayMs);
     connect(&editDelay_, &QTimer::timeout, this, &MainWindow::useParams);
@@ -122,6 +126,7 @@ MainWindow::~MainWindow()
     delete compareDesk_;
     delete photonDesk_;
     delete atlasDesk_;
+    delete guestDesk_;
     delete bridge_;
     delete worker_;
     delete loader_;
@@ -152,7 +157,7 @@ void MainWindow::connectWorkers()
         Qt::QueuedConnection);
     connect(bridge_, &BakeBridge::finished, this, &MainWindow::bakeFinished, Qt::QueuedConnection);
     connect(
-        worker_, &ViewWorker::mixed, this,
+        worker_, &ViewWorker::looked, this,
         [this](const BakeView& view) {
             snapshots_->replaceShown(view);
             if (snapshots_->shown() != nullptr) showView(*snapshots_->shown());
@@ -219,11 +224,12 @@ void MainWindow::setScene(std::shared_ptr<const DrawData> opened, const QString&
     rowSerial_.reset();
     cursor_.reset();
     sceneDock_->setScene(data_->scene);
-    mix_ = sceneDock_->mix();
+    look_.mix = sceneDock_->mix();
     lamps_ = sceneDock_->lampSettings();
     params_ = paramPanel_->params();
     undoStack_->clear();
-    bridge_->setMix(mix_, ++mixSerial_);
+    ++look_.serial;
+    bridge_->setLook(look_);
     cameraMenu_->clear();
     for (const Camera& camera : scene.cameras) {
         cameraMenu_->addAction(QString::fromStdString(camera.name), this, [this, camera] {
@@ -247,8 +253,9 @@ void MainWindow::setScene(std::shared_ptr<const DrawData> opened, const QString&
         photonDesk_->forget();
         atlasDesk_->forget();
         pickDesk_->forget();
+        guestDesk_->sceneChanged(scene.bounds);
         compareDesk_->setScene(file);
-        compareDesk_->setMix(mix_);
+        compareDesk_->setMix(look_.mix);
     }
     forgetLampEdits();
     showNotes();
@@ -288,11 +295,11 @@ void MainWindow::startBake(bool urgent)
     job.params = paramPanel_->params();
     sweepPanel_->setBase(job.params);
     // lamps that are on are baked at full: dimming is the mix's; lamps that are off cost nothing
-    for (const glm::vec3& gain : mix_) job.mix.emplace_back(gain == glm::vec3(0.0f) ? 0.0f : 1.0f);
+    for (const glm::vec3& gain : look_.mix) job.mix.emplace_back(gain == glm::vec3(0.0f) ? 0.0f : 1.0f);
     job.roughFirst = true;
     bakedMix_ = job.mix;
     bakedParams_ = job.params;
-    jobSerial_ = bridge_->start(std::move(job), urgent);
+    jobSerial_ = bridge_->start(method_, std::move(job), urgent);
     isBaking_ = true;
     bakePanel_->begin();
     tellBusy();
@@ -341,8 +348,35 @@ void MainWindow::paramsEdited(const BakeParams& params)
 
 void MainWindow::useParams()
 {
-    const auto stage = firstDifference(bakedParams_, paramPanel_->params(), Method::lightOctree);
+    const BakeParams& params = paramPanel_->params();
+    const GridShow show = gridShow(params);
+    if (!(show == look_.grid)) {
+        look_.grid = show;
+        if (show.remap != GridRemap::paper) look_.packing = GridPacking::exact;
+        showGridLook();
+        lookChanged();
+    }
+    const auto stage = firstDifference(bakedParams_, params, method_);
     if (stage && *stage != Stage::show) startBake(false);
+}
+
+bool MainWindow::showMethod(Method method)
+{
+    const ViewMode mode = method == Method::irradianceGrid ? ViewMode::grid : ViewMode::octree;
+    if (mode == ViewMode::octree && method != Method::lightOctree) return false;
+    for (QAction* action : bakeModes_) {
+        if (action->data().toInt() == static_cast<int>(mode)) action->trigger();
+    }
+    return true;
+}
+
+void MainWindow::useMethod(Method method)
+{
+    if (method == method_) return;
+    method_ = method;
+    paramPanel_->setMethod(method);
+    bakePanel_->setMethod(method);
+    startBake(false);
 }
 
 void MainWindow::lampEdited(int lamp, bool isDimmed)
@@ -363,18 +397,24 @@ void MainWindow::lampEdited(int lamp, bool isDimmed)
 
 void MainWindow::useMix()
 {
-    mix_ = sceneDock_->mix();
-    bridge_->setMix(mix_, ++mixSerial_);
-    if (viewport_ != nullptr) viewport_->setMix(mix_);
-    if (compareDesk_ != nullptr) compareDesk_->setMix(mix_);
-    for (std::size_t g = 0; g < mix_.size(); ++g) {
-        const bool wasLeftOut = isOff(bakedMix_, static_cast<int>(g)), isOn = mix_[g] != glm::vec3(0.0f);
+    look_.mix = sceneDock_->mix();
+    if (viewport_ != nullptr) viewport_->setMix(look_.mix);
+    if (compareDesk_ != nullptr) compareDesk_->setMix(look_.mix);
+    lookChanged();
+    for (std::size_t g = 0; g < look_.mix.size(); ++g) {
+        const bool wasLeftOut = isOff(bakedMix_, static_cast<int>(g)), isOn = look_.mix[g] != glm::vec3(0.0f);
         if (wasLeftOut && isOn) {
             startBake(false); // it has no layer yet; the other lamps' photons are kept
             break;
         }
     }
-    if (snapshots_->shown() != nullptr) worker_->mix(*snapshots_->shown(), mix_, mixSerial_);
+}
+
+void MainWindow::lookChanged()
+{
+    ++look_.serial;
+    bridge_->setLook(look_);
+    if (snapshots_->shown() != nullptr) worker_->look(*snapshots_->shown(), look_);
 }
 
 void MainWindow::takeView(const BakeView& view)
@@ -396,22 +436,27 @@ void MainWindow::takeView(const BakeView& view)
 void MainWindow::showView(const BakeView& view)
 {
     if (!view.problem.isEmpty()) messages_->show(view.problem);
-    if (view.mixSerial != mixSerial_) worker_->mix(view, mix_, mixSerial_);
+    if (view.lookSerial != look_.serial) worker_->look(view, look_);
     if (viewport_ != nullptr) viewport_->setLight(view);
     judgeView();
     bakePanel_->showNoise(view);
     exportDialog_->lightChanged();
     statusNoise_->setText(view.noise ? tr("noise %1 %").arg(100.0 * *view.noise, 0, 'f', 1) : QString());
-    const double bytes = static_cast<double>(view.gpu ? view.gpu->memoryBytes() : 0);
-    statusSize_->setText(tr("d%1  %2 leaves  %3 %4")
-                             .arg(view.snapshot.level)
-                             .arg(QLocale().toString(static_cast<qulonglong>(view.leaves)))
-                             .arg(bytes < 1e6 ? bytes / 1e3 : bytes / 1e6, 0, 'f', bytes < 1e6 ? 0 : 1)
-                             .arg(bytes < 1e6 ? tr("kB") : tr("MB")));
-    statusSize_->setToolTip(tr("Light octree as shown: %1 entries, %2 MB in textures, %3 MB with all lamps' layers")
-                                .arg(QLocale().toString(static_cast<qulonglong>(view.entries)))
-                                .arg(bytes / 1e6, 0, 'f', 1)
-                                .arg(static_cast<double>(view.snapshot.field->memoryBytes()) / 1e6, 0, 'f', 1));
+    const double bytes = static_cast<double>(view.textureBytes());
+    const QString size =
+        bytes < 1e6 ? tr("%1 kB").arg(bytes / 1e3, 0, 'f', 0) : tr("%1 MB").arg(bytes / 1e6, 0, 'f', 1);
+    const QString all = tr("%1 in textures, %2 MB with all lamps' layers")
+                            .arg(size)
+                            .arg(static_cast<double>(view.snapshot.field->memoryBytes()) / 1e6, 0, 'f', 1);
+    const auto number = [](std::size_t n) { return QLocale().toString(static_cast<qulonglong>(n)); };
+    if (view.isGrid()) {
+        statusSize_->setText(tr("%1  %2").arg(gridSizeText(view.snapshot), size));
+        const std::size_t open = view.gpuGrid ? view.gpuGrid->openVertices : 0;
+        statusSize_->setToolTip(tr("Irradiance grid as shown: %1 vertices know light, %2").arg(number(open), all));
+    } else {
+        statusSize_->setText(tr("d%1  %2 leaves  %3").arg(view.snapshot.level).arg(number(view.leaves), size));
+        statusSize_->setToolTip(tr("Light octree as shown: %1 entries, %2").arg(number(view.entries), all));
+    }
 }
 
 BakeView MainWindow::asShown(BakeView view) const
@@ -425,7 +470,7 @@ BakeView MainWindow::asShown(BakeView view) const
 void MainWindow::judgeView()
 {
     const BakeView* view = snapshots_->shown();
-    if (compareDesk_ != nullptr && view != nullptr && view->mixSerial == mixSerial_) {
+    if (compareDesk_ != nullptr && view != nullptr && view->lookSerial == look_.serial) {
         photonDesk_->setView(*view);
         atlasDesk_->setView(*view);
         pickDesk_->setView(*view);
@@ -437,7 +482,7 @@ void MainWindow::judgeView()
 void MainWindow::measure()
 {
     if (cursor_ && snapshots_->shown() != nullptr) {
-        worker_->measure(asShown(*snapshots_->shown()), mix_, cursor_->position, cursor_->normal);
+        worker_->measure(asShown(*snapshots_->shown()), look_.mix, cursor_->position, cursor_->normal);
     } else {
         showMeasurement({});
     }
@@ -445,6 +490,9 @@ void MainWindow::measure()
 
 void MainWindow::setMode(ViewMode mode)
 {
+    if (mode == ViewMode::grid) useMethod(Method::irradianceGrid);
+    const bool isOfOctree = mode == ViewMode::octree || mode == ViewMode::colours || mode == ViewMode::photonMap;
+    if (isOfOctree) useMethod(Method::lightOctree);
     if (viewport_ == nullptr) return;
     viewport_->setMode(mode);
     photonDesk_->modeChanged();
@@ -510,8 +558,8 @@ void MainWindow::showExport()
 std::optional<ExportOrder> MainWindow::exportOrder() const
 {
     const BakeView* view = snapshots_->shown();
-    if (view == nullptr || !view->rays || view->mixSerial != mixSerial_) return {};
-    ExportOrder order{*view, mix_, {}, {}};
+    if (view == nullptr || !view->rays || view->lookSerial != look_.serial) return {};
+    ExportOrder order{*view, look_.mix, {}, {}};
     order.info.params = bakedParams(*view);
     order.info.incomplete = missingIn(*view);
     order.info.program = QCoreApplication::applicationVersion().toStdString();

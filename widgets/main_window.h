@@ -29,6 +29,7 @@ class BakePanel;
 class CompareDesk;
 class ComparePanel;
 class ExportDialog;
+class GuestDesk;
 class LampDesk;
 class LegendStrip;
 class MessageBar;
@@ -61,6 +62,8 @@ public:
     void openScene(const QString& file);      ///< asks first where lamps were edited and not saved
     void saveSceneAs(const QString& file);    ///< with its lamps as they are now; `.glb`
     void setParams(const BakeParams& params); ///< as if edited in the panel
+    /// Looks at bakes of another method, as by its command. False: none of the window's.
+    bool showMethod(Method method);
 
     // for whoever drives the window: the screenshot of the program, and tests
     [[nodiscard]] Viewport* viewport() const { return viewport_; } ///< null without OpenGL
@@ -71,6 +74,7 @@ public:
     [[nodiscard]] PhotonDesk* photonDesk() const { return photonDesk_; }    ///< likewise
     [[nodiscard]] PickDesk* pickDesk() const { return pickDesk_; }          ///< likewise
     [[nodiscard]] LampDesk* lampDesk() const { return lampDesk_; }          ///< likewise
+    [[nodiscard]] GuestDesk* guestDesk() const { return guestDesk_; }       ///< likewise
     [[nodiscard]] ComparePanel& comparePanel() const { return *comparePanel_; }
     [[nodiscard]] SweepPanel& sweepPanel() const { return *sweepPanel_; }
     [[nodiscard]] LegendStrip& legend() const { return *legend_; }
@@ -102,8 +106,11 @@ private:
     void tellBusy(); ///< whether a bake runs, to those that give way to it
     void paramsEdited(const BakeParams& params);
     void useParams();
+    void useMethod(Method method); ///< bakes with it, if it is another
+    void showGridLook();           ///< `look_` on the commands that change it
     void lampEdited(int lamp, bool isDimmed);
     void useMix();
+    void lookChanged(); ///< `look_` is another
     void showView(const BakeView& view);
     void setMode(ViewMode mode);
     void judgeView();                                    ///< hands the light that is shown to those who compare it
@@ -134,6 +141,16 @@ private:
     QWidget* makeModeButton(); ///< one for all that show a bake
     QWidget* makeToneButton();
     void addToneAction(const QString& text, const QString& brief, const QString& tip, int tone);
+    // main_window_grid.cpp: ways to look at irradiance grids
+    void makeGridActions();
+    void useFilter(GridFilter filter);
+    void useForm(GridRemap remap, GridPacking packing);
+    void markVertices(VertexMarks marks);
+    void addGridMenu(QMenu& view);
+    void makeGuestActions();
+    void connectGuests();
+    void guestAdded(const QString& name);
+    void chooseGuestFile();
     // main_window_compare.cpp: what the picture is held against
     void makeCompareActions();
     void addShownAction(const QString& text, const QKeySequence& keys, const QString& tip,
@@ -171,8 +188,9 @@ private:
     int chosenGroup_ = -1, chosenLight_ = -1;
     QThreadPool savePool_;
     Mix bakedMix_; ///< of the newest job: groups that are off in it have no layer
-    Mix mix_;
-    std::uint64_t mixSerial_ = 0, jobSerial_ = 0;
+    Look look_;
+    Method method_ = Method::lightOctree; ///< of bakes
+    std::uint64_t jobSerial_ = 0;
     std::uint64_t sceneSerial_ = 0;          ///< the scene's first job
     std::optional<std::uint64_t> rowSerial_; ///< job whose snapshots stand in the row
     bool isBaking_ = false;
@@ -202,6 +220,7 @@ private:
     AtlasDesk* atlasDesk_ = nullptr;
     PickDesk* pickDesk_ = nullptr;
     LampDesk* lampDesk_ = nullptr;
+    GuestDesk* guestDesk_ = nullptr;
     ComparePanel* comparePanel_ = nullptr;
     LegendStrip* legend_ = nullptr;
     SweepPanel* sweepPanel_ = nullptr;
@@ -214,8 +233,12 @@ private:
             *brighter_ = nullptr, *darker_ = nullptr, *lightTheme_ = nullptr, *start_ = nullptr, *pause_ = nullptr,
             *cancel_ = nullptr, *resetParams_ = nullptr, *shortcuts_ = nullptr, *about_ = nullptr, *undo_ = nullptr,
             *redo_ = nullptr, *swapModes_ = nullptr, *lastMode_ = nullptr, *reference_ = nullptr, *wipe_ = nullptr,
-            *pick_ = nullptr, *export_ = nullptr, *lampTool_ = nullptr, *saveScene_ = nullptr;
-    QActionGroup *modes_ = nullptr, *shown_ = nullptr, *tones_ = nullptr;
+            *pick_ = nullptr, *swapFilters_ = nullptr, *nextVertices_ = nullptr, *export_ = nullptr,
+            *lampTool_ = nullptr, *saveScene_ = nullptr;
+    QActionGroup *modes_ = nullptr, *shown_ = nullptr, *tones_ = nullptr, *filters_ = nullptr, *forms_ = nullptr,
+                 *vertices_ = nullptr;
+    QList<QAction*> addGuests_; ///< one for each kind of object, and for files
+    QAction* removeGuest_ = nullptr;
     QList<QAction*> bakeModes_; ///< those of `modes_` that show a bake
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the window remembers from one day to the next: place and size, docks, theme, tone curve, files.
+#include "core/params/param_text.h"
 #include "widgets/main_window.h"
 #include "widgets/panel_parts.h"
 #include "widgets/start_page.h"
@@ -41,6 +42,8 @@ void MainWindow::restore()
     restoreGeometry(settings_->value("geometry").toByteArray()); // keeps to the screens there are today
     docks_ = settings_->value("docks").toByteArray();
     tones_->actions()[settings_->value("tone", 1).toInt() == 0 ? 0 : 1]->setChecked(true);
+    const Result<Method> method = methodNamed(settings_->value("method").toString().toStdString());
+    if (method) (void)showMethod(*method);
 }
 
 void MainWindow::remember()
@@ -49,6 +52,7 @@ void MainWindow::remember()
     if (data_) docks_ = saveState(); // without a scene they are hidden
     settings_->setValue("geometry", saveGeometry());
     if (!docks_.isEmpty()) settings_->setValue("docks", docks_);
+    settings_->setValue("method", QString::fromStdString(std::string(methodName(method_))));
     settings_->setValue("lightTheme", lightTheme_->isChecked());
     settings_->setValue("tone", tones_->actions().indexOf(tones_->checkedAction()));
 }

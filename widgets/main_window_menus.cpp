@@ -36,6 +36,7 @@ QAction* MainWindow::addModeAction(const QString& text, const QKeySequence& keys
     QAction* action = makeAction(text, keys, tip);
     action->setCheckable(true);
     action->setChecked(mode == ViewMode::octree);
+    action->setData(static_cast<int>(mode));
     modes_->addAction(action);
     if (lastMode_ == nullptr) lastMode_ = action;
     connect(action, &QAction::toggled, this, [this, action](bool on) {
@@ -75,19 +76,22 @@ void MainWindow::makeActions()
     redo_->setStatusTip(tr("Make the edit again that was taken back"));
     quit_ = makeAction(tr("&Quit"), QKeySequence::Quit, tr("Close the window"));
     modes_ = new QActionGroup(this);
-    // 2 and 3 are kept for methods that are not here yet; what shows the same bake in other ways has Alt with it
+    // 3 is kept for a method that is not here yet; what shows the same bake in other ways has Alt with it
     bakeModes_ = {addModeAction(tr("&Octree"), Qt::Key_1, ViewMode::octree,
                                 tr("Direct light and the baked indirect light, from virtual lights")),
+                  addModeAction(tr("&Grid"), Qt::Key_2, ViewMode::grid,
+                                tr("Direct light and indirect light from an irradiance grid, also on objects that were "
+                                   "not in the bake")),
                   addModeAction(tr("&Colour octree"), Qt::ALT | Qt::Key_1, ViewMode::colours,
                                 tr("The same octree without directions: each cell keeps the sum of its light alone")),
                   addModeAction(tr("Photon &map"), Qt::ALT | Qt::Key_2, ViewMode::photonMap,
                                 tr("Irradiance kept at every 4th photon, the nearest answers; rendered bit by bit")),
                   addModeAction(tr("A&tlas"), Qt::ALT | Qt::Key_3, ViewMode::atlas,
-                                tr("The octree's light kept in a lightmap: each pixel reads one texel"))};
-    bakeModes_[1]->setIconText(tr("Colours")); // the toolbar is short
-    bakeModes_[2]->setIconText(tr("Photons"));
+                                tr("The bake's light kept in a lightmap: each pixel reads one texel"))};
+    bakeModes_[2]->setIconText(tr("Colours")); // the toolbar is short
+    bakeModes_[3]->setIconText(tr("Photons"));
     addModeAction(tr("&Reference"), Qt::Key_4, ViewMode::reference,
-                  tr("The path-traced picture, as far as it has come; the octree until then"));
+                  tr("The path-traced picture, as far as it has come; the bake until then"));
     addModeAction(tr("&Direct"), Qt::Key_5, ViewMode::direct, tr("Light that comes straight from the lamps (preview)"));
     addModeAction(tr("&Plain"), Qt::Key_6, ViewMode::plain, tr("Form without light"));
     swapModes_ = makeAction(tr("S&wap views"), QKeySequence(Qt::Key_Tab), tr("Back to the view before this one"));
@@ -115,6 +119,8 @@ void MainWindow::makeActions()
     about_ = makeAction(tr("&About Lightloom"), {}, tr("Version and licence"));
     for (QAction* action : {reload_, saveScene_, export_, start_, pause_, cancel_}) action->setEnabled(false);
     makeCompareActions();
+    makeGridActions();
+    makeGuestActions();
     connectActions();
 }
 
@@ -174,12 +180,17 @@ void MainWindow::buildMenus()
     edit->addActions({undo_, redo_});
     edit->addSeparator();
     edit->addAction(lampTool_);
+    QMenu* guests = edit->addMenu(tr("&Object in the light"));
+    guests->addActions(addGuests_);
+    guests->addSeparator();
+    guests->addAction(removeGuest_);
     edit->addAction(resetParams_);
     QMenu* view = menuBar()->addMenu(tr("&View"));
     view->addActions(modes_->actions());
     view->addActions({swapModes_, indirect_});
     view->addMenu(tr("&Show"))->addActions(shown_->actions());
     view->addAction(pick_);
+    addGridMenu(*view);
     view->addSeparator();
     view->addAction(frame_);
     cameraMenu_ = view->addMenu(tr("&Cameras"));
@@ -220,6 +231,7 @@ void MainWindow::showShortcuts()
     add(tr("Wheel"), tr("Zoom to the cursor"));
     add(tr("Right drag, W A S D, Q E"), tr("Look around and walk; Shift runs"));
     add(tr("Double click"), tr("Set the pivot"));
+    add(tr("Drag, wheel on an object in the light"), tr("Move it level (Shift: up and down), turn it"));
     add(tr("Alt+click"), tr("See what the octree keeps there"));
     add(tr("Arrow keys, Home, End"), tr("Move the wipe while its handle has the focus; Shift moves it finer"));
     auto* box = new QMessageBox(QMessageBox::NoIcon, tr("Keys and mouse"),

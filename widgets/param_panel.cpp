@@ -55,15 +55,16 @@ protected:
     }
 };
 
-QString groupTitle(Stage stage)
+QString groupTitle(Stage stage, Method method)
 {
+    const bool isGrid = method == Method::irradianceGrid;
     switch (stage) {
     case Stage::shoot:
         return QObject::tr("Photons (shoots again)");
     case Stage::build:
-        return QObject::tr("Octree (keeps photons)");
+        return isGrid ? QObject::tr("Grid (shoots again)") : QObject::tr("Octree (keeps photons)");
     case Stage::fit:
-        return QObject::tr("Gather (keeps octree)");
+        return isGrid ? QObject::tr("Sums (shoots again)") : QObject::tr("Gather (keeps octree)");
     case Stage::show:
         break;
     }
@@ -82,7 +83,7 @@ QString rangeText(const ParamSpec& spec)
 
 } // namespace
 
-ParamPanel::ParamPanel(Method method, QWidget* parent) : QWidget(parent), preset_(new QComboBox)
+ParamPanel::ParamPanel(Method method, QWidget* parent) : QWidget(parent), method_(method), preset_(new QComboBox)
 {
     auto* column = new QVBoxLayout(this);
     column->setContentsMargins(6, 6, 6, 6);
@@ -100,16 +101,35 @@ ParamPanel::ParamPanel(Method method, QWidget* parent) : QWidget(parent), preset
         setParams(*chosen);
         Q_EMIT edited(params_);
     });
+    column->addStretch(1);
+    addRows();
+}
+
+void ParamPanel::setMethod(Method method)
+{
+    if (method == method_) return;
+    method_ = method;
+    rows_.clear();
+    delete form_;
+    addRows();
+}
+
+void ParamPanel::addRows()
+{
+    form_ = new QWidget;
+    auto* column = new QVBoxLayout(form_);
+    column->setContentsMargins(0, 0, 0, 0);
     for (const Stage stage : {Stage::shoot, Stage::build, Stage::fit, Stage::show}) {
-        auto* title = new QLabel(QStringLiteral("<b>%1</b>").arg(groupTitle(stage)));
+        auto* title = new QLabel(QStringLiteral("<b>%1</b>").arg(groupTitle(stage, method_)));
         title->setContentsMargins(0, 8, 0, 0);
         auto* form = new QFormLayout;
         form->setFieldGrowthPolicy(QFormLayout::AllNonFixedFieldsGrow);
         form->setRowWrapPolicy(QFormLayout::WrapLongRows); // on small screens fields go below their labels
         const std::size_t before = rows_.size();
         for (const ParamSpec& spec : kParams) {
-            const bool counts = (spec.methods & (1u << static_cast<unsigned>(method))) != 0;
-            const bool isMode = spec.redo == Stage::show && spec.isChoice(); // those are modes of the picture
+            const bool counts = (spec.methods & (1u << static_cast<unsigned>(method_))) != 0;
+            // an octree's are modes of the picture
+            const bool isMode = method_ == Method::lightOctree && spec.redo == Stage::show && spec.isChoice();
             if (counts && spec.redo == stage && !isMode) addRow(spec, *form);
         }
         if (rows_.size() == before) {
@@ -120,7 +140,8 @@ ParamPanel::ParamPanel(Method method, QWidget* parent) : QWidget(parent), preset
         column->addWidget(title);
         column->addLayout(form);
     }
-    column->addStretch(1);
+    auto* all = qobject_cast<QVBoxLayout*>(layout());
+    all->insertWidget(all->count() - 1, form_); // before the space that is left
     showValues();
 }
 

@@ -17,6 +17,7 @@ class ParamPanel final : public QWidget {
     Q_OBJECT
 public:
     explicit ParamPanel(Method method, QWidget* parent = nullptr);
+    void setMethod(Method method); ///< rows of another; values stay
     [[nodiscard]] const BakeParams& params() const { return params_; }
     /// Shows other values; sends no signal.
     void setParams(const BakeParams& params);
@@ -32,12 +33,15 @@ private:
         QLabel* label;
         QToolButton* reset;
     };
+    void addRows();
     void addRow(const ParamSpec& spec, QFormLayout& form);
     QWidget* makeEditor(const ParamSpec& spec);
     void set(const ParamSpec& spec, double value);
     void showValues();
 
     BakeParams params_;
+    Method method_;
+    QWidget* form_ = nullptr; ///< holds the rows
     std::vector<Row> rows_;
     QComboBox* preset_;
     bool filling_ = false; ///< values are being shown, not edited

@@ -54,13 +54,11 @@ void SnapshotBar::add(const BakeView& view)
     const double seconds = view.snapshot.elapsedMs / 1000.0;
     auto* button = new QToolButton;
     const QString took = tr("%1 s").arg(seconds, 0, 'f', seconds < 10.0 ? 2 : 1);
-    const QString name = view.snapshot.isRough ? tr("rough") : tr("d%1").arg(view.snapshot.level);
-    button->setText(name + QStringLiteral("  ") + took);
-    QString tip = view.snapshot.isFinal ? tr("Final: depth %1").arg(view.snapshot.level)
-                                        : tr("Refinement: depth %1").arg(view.snapshot.level);
+    button->setText(shortName(view.snapshot) + QStringLiteral("  ") + took);
+    QString tip = (view.snapshot.isFinal ? tr("Final: %1") : tr("Refinement: %1")).arg(fullName(view.snapshot));
     if (view.noise) tip += tr(", noise %1 % as the bake states it").arg(100.0 * *view.noise, 0, 'f', 1);
     button->setToolTip(tip);
-    button->setAccessibleName(tr("Snapshot of depth %1").arg(view.snapshot.level));
+    button->setAccessibleName(tr("Snapshot: %1").arg(fullName(view.snapshot)));
     button->setCheckable(true);
     button->setAutoRaise(true);
     const std::size_t index = views_.size();

@@ -36,10 +36,10 @@ ViewWorker::~ViewWorker()
     thread_.join();
 }
 
-void ViewWorker::mix(BakeView view, Mix mix, std::uint64_t mixSerial)
+void ViewWorker::look(BakeView view, Look look)
 {
     std::lock_guard lock(mutex_);
-    mix_ = MixRequest{std::move(view), std::move(mix), mixSerial};
+    look_ = LookRequest{std::move(view), std::move(look)};
     wake_.notify_one();
 }
 
@@ -62,12 +62,12 @@ void ViewWorker::work(const std::stop_token& quit)
     const FlushDenormals flush;
     while (true) {
         std::unique_lock lock(mutex_);
-        if (!wake_.wait(lock, quit, [this] { return mix_ || measure_ || pick_; }) || quit.stop_requested()) return;
-        if (mix_) {
-            MixRequest request = std::move(*mix_);
-            mix_.reset();
+        if (!wake_.wait(lock, quit, [this] { return look_ || measure_ || pick_; }) || quit.stop_requested()) return;
+        if (look_) {
+            LookRequest request = std::move(*look_);
+            look_.reset();
             lock.unlock();
-            Q_EMIT mixed(withMix(std::move(request.view), request.mix, request.serial));
+            Q_EMIT looked(withLook(std::move(request.view), request.look));
         } else if (pick_) {
             const PickRequest request = std::move(*pick_);
             pick_.reset();

@@ -10,15 +10,15 @@
 
 namespace lightloom {
 
-/// One thread beside the bake for what the viewport asks for: the same light under another mix, the illuminance under
-/// the cursor, a leaf that was picked. Of each kind the newest request wins; mixing comes first. Shoots no photons.
+/// One thread beside the bake for what the viewport asks for: the same light looked at in another way, the illuminance
+/// under the cursor, a leaf that was picked. Of each kind the newest request wins; looks come first. Shoots no photons.
 class ViewWorker final : public QObject {
     Q_OBJECT
 public:
     explicit ViewWorker(QObject* parent = nullptr);
     ~ViewWorker() override;
 
-    void mix(BakeView view, Mix mix, std::uint64_t mixSerial);
+    void look(BakeView view, Look look);
     /// Illuminance at `p` facing `n` from the view's field, and from its lamps with shadow rays under `mix`.
     void measure(BakeView view, Mix mix, glm::vec3 p, glm::vec3 n);
 
@@ -26,15 +26,14 @@ public:
     void pick(BakeView view, glm::vec3 p, glm::vec3 n);
 
 Q_SIGNALS:
-    void mixed(lightloom::BakeView view);
+    void looked(lightloom::BakeView view);
     void measured(lightloom::Measurement measurement);
     void picked(lightloom::PickedLeaf leaf);
 
 private:
-    struct MixRequest {
+    struct LookRequest {
         BakeView view;
-        Mix mix;
-        std::uint64_t serial = 0;
+        Look look;
     };
     struct MeasureRequest {
         BakeView view;
@@ -49,7 +48,7 @@ private:
 
     std::mutex mutex_;
     std::condition_variable_any wake_;
-    std::optional<MixRequest> mix_;
+    std::optional<LookRequest> look_;
     std::optional<MeasureRequest> measure_;
     std::optional<PickRequest> pick_;
     std::jthread thread_; // last: it uses all of the above

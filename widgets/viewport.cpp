@@ -68,8 +68,8 @@ void Viewport::initializeGL()
         return;
     }
     renderer_ = std::move(*made);
-    sceneIsNew_ = octreeIsNew_ = coloursAreNew_ = mixIsNew_ = marksAreNew_ = referenceIsNew_ = photonsAreNew_ =
-        errorsAreNew_ = true; // what was set before there was a context
+    guestIsNew_ = sceneIsNew_ = bakeIsNew_ = coloursAreNew_ = mixIsNew_ = marksAreNew_ = referenceIsNew_ =
+        photonsAreNew_ = errorsAreNew_ = true; // what was set before there was a context
 }
 
 void Viewport::releaseGl()
@@ -86,13 +86,16 @@ void Viewport::setScene(std::shared_ptr<const DrawData> drawn, bool keepCamera)
     const glm::dvec3 moved = keepCamera ? data_->scene->origin - drawn->scene->origin : glm::dvec3(0.0);
     data_ = std::move(drawn);
     octree_.reset();
+    grid_.reset();
+    vertices_.reset();
+    guest_.reset();
     colours_.reset();
     reference_.reset();
     photons_.reset();
     errors_.reset();
     mix_.clear();
     sceneIsNew_ = mixIsNew_ = true;
-    octreeIsNew_ = coloursAreNew_ = false; // the renderer drops the old ones with the scene
+    bakeIsNew_ = coloursAreNew_ = false; // the renderer drops the old ones with the scene
     shadowsReady_ = mirrorsReady_ = false;
     if (keepCamera) {
         camera_.setBounds(data_->scene->bounds);
@@ -125,9 +128,25 @@ void Viewport::setLamps(std::shared_ptr<const DrawData> drawn)
 void Viewport::setLight(const BakeView& view)
 {
     octree_ = view.gpu;
+    grid_ = view.gpuGrid;
+    vertices_ = view.vertices;
     colours_ = view.gpuOfColours;
-    octreeIsNew_ = coloursAreNew_ = true;
+    bakeIsNew_ = coloursAreNew_ = true;
     news();
+}
+
+void Viewport::setGuest(std::shared_ptr<const DrawData> guest, const glm::mat4& place)
+{
+    guest_ = std::move(guest);
+    guestPlace_ = place;
+    guestIsNew_ = true;
+    changed();
+}
+
+void Viewport::setGuestPlace(const glm::mat4& place)
+{
+    guestPlace_ = place;
+    coarseFor(kRestMs); // it moves, as a camera does
 }
 
 void Viewport::setBusy(bool busy)
@@ -201,6 +220,11 @@ std::optional<QPointF> Viewport::placeIn(glm::vec3 p) const
     return QPointF(static_cast<double>(at.x) * width(), static_cast<double>(at.y) * height());
 }
 
+SightLine Viewport::sightAt(QPointF position) const
+{
+    return {camera_.eye(), camera_.through(placeOf(position), aspect())};
+}
+
 void Viewport::setExposure(float ev)
 {
     frame_.exposureEv = ev;
@@ -240,7 +264,7 @@ bool Viewport::isSettled() const
 {
     const bool isLit = shadowsReady_ && mirrorsReady_ && atlasReady_;
     const bool isDrawn = !isMoving_ && scale_ == 1.0f && isLit && sample_ >= kSamples;
-    return isDrawn && !sceneIsNew_ && !lampsAreNew_ && !octreeIsNew_ && !mixIsNew_ && !presentOnly_;
+    return isDrawn && !sceneIsNew_ && !lampsAreNew_ && !bakeIsNew_ && !mixIsNew_ && !presentOnly_;
 }
 
 bool Viewport::isRefined() const
@@ -330,7 +354,11 @@ void Viewport::applyPending()
 {
     Result<Done> outcome = Done{};
     if (sceneIsNew_) outcome = renderer_->setScene(data_);
-    if (outcome && octreeIsNew_) outcome = renderer_->setOctree(octree_);
+    if (guestIsNew_) renderer_->setGuest(guest_);
+    renderer_->setGuestPlace(guestPlace_);
+    guestIsNew_ = false;
+    if (bakeIsNew_) renderer_->vertices().setVertices(vertices_);
+    if (outcome && bakeIsNew_) outcome = grid_ ? renderer_->setGrid(grid_) : renderer_->setOctree(octree_);
     if (outcome && coloursAreNew_ && mode_ == ViewMode::colours) { // not before somebody looks
         outcome = renderer_->setColours(colours_);
         coloursAreNew_ = false;
@@ -350,7 +378,7 @@ void Viewport::applyPending()
         renderer_->marks().setMarks(std::move(marks));
     }
     marksAreNew_ = lampsAreNew_ = false;
-    sceneIsNew_ = octreeIsNew_ = mixIsNew_ = false;
+    guestIsNew_ = sceneIsNew_ = bakeIsNew_ = mixIsNew_ = false;
     uploadComparison();
     if (!outcome) Q_EMIT problem(QString::fromStdString(outcome.error().message));
 }
@@ -415,15 +443,15 @@ void Viewport::showWhole(const QElapsedTimer& all)
 
 bool Viewport::showsBake() const
 {
-    return mode_ == ViewMode::octree || mode_ == ViewMode::atlas || mode_ == ViewMode::colours ||
-           mode_ == ViewMode::photonMap;
+    return mode_ == ViewMode::octree || mode_ == ViewMode::grid || mode_ == ViewMode::atlas ||
+           mode_ == ViewMode::colours || mode_ == ViewMode::photonMap;
 }
 
 void Viewport::frameDone(double frameMs, double allMs)
 {
     frameMs_ = frameMs;
     pacer_.drew(scale_, isMoving_ || scale_ < 1.0f, frameMs, allMs);
-    if (needsMetering_ && octree_ && showsBake() && !showsPhotons() && overlay() == Overlay::none) meter();
+    if (needsMetering_ && (octree_ || grid_) && showsBake() && !showsPhotons() && overlay() == Overlay::none) meter();
     ++sample_;
     const bool isFull = !isMoving_ && scale_ == 1.0f;
     if (isFull && sample_ == 1 && underMouse()) hover_.start(); // something else may be under a cursor that rests

@@ -4,6 +4,7 @@
 #include "widgets/camera_control.h"
 #include "widgets/frame_pacer.h"
 #include "widgets/gl/renderer.h"
+#include "widgets/sight_line.h"
 #include <QElapsedTimer>
 #include <QOpenGLWidget>
 #include <QPointF>
@@ -30,11 +31,14 @@ public:
     /// The same scene with lamps elsewhere: direct light and shadows follow in the next picture.
     void setLamps(std::shared_ptr<const DrawData> drawn);
     void setLight(const BakeView& view);
+    /// An object that is not part of the scene (Renderer::setGuest). Null: none. Goes with the scene.
+    void setGuest(std::shared_ptr<const DrawData> guest, const glm::mat4& place);
+    void setGuestPlace(const glm::mat4& place);
     void setBusy(bool busy); ///< a bake wants the processor
     void setMix(const Mix& mix);
     void setMode(ViewMode mode);
     /// The path-traced picture of what the camera sees now, shown in reference mode and by the wipe. Null: none (yet);
-    /// the octree is shown meanwhile.
+    /// the bake is shown meanwhile.
     void setReference(std::shared_ptr<const View> picture);
     /// The photon map's picture of what the camera sees now, for its mode. Null: none (yet); the octree is shown.
     void setPhotonPicture(std::shared_ptr<const View> picture);
@@ -51,6 +55,8 @@ public:
     void setLampMarks(std::vector<Mark> marks); ///< likewise, and apart from the others
     /// Where a point of the scene stands in the widget; nothing behind the eye.
     [[nodiscard]] std::optional<QPointF> placeIn(glm::vec3 p) const;
+    [[nodiscard]] SightLine sightAt(QPointF position) const;
+    [[nodiscard]] std::optional<Renderer::SurfaceSample> surfaceAt(QPointF position); ///< in the last picture
     void setExposure(float ev);
     void setTone(int tone);
     void setBackground(glm::vec3 shown);
@@ -124,7 +130,6 @@ private:
     void meter();
     [[nodiscard]] glm::vec2 placeOf(QPointF position) const; ///< 0 to 1 from the lower left
     [[nodiscard]] glm::vec2 stepOf(QPointF delta) const;     ///< in heights, y upwards
-    [[nodiscard]] std::optional<Renderer::SurfaceSample> surfaceAt(QPointF position);
     [[nodiscard]] float aspect() const;
 
     CameraControl camera_;
@@ -133,6 +138,11 @@ private:
     Gl* gl_ = nullptr;
     std::shared_ptr<const DrawData> data_;
     std::shared_ptr<const GpuOctree> octree_, colours_;
+    std::shared_ptr<const GpuGrid> grid_; ///< the bake, where it is no octree
+    std::shared_ptr<const GridVertices> vertices_;
+    std::shared_ptr<const DrawData> guest_;
+    glm::mat4 guestPlace_{1.0f};
+    bool guestIsNew_ = false;
     std::shared_ptr<const View> reference_, photons_;
     std::shared_ptr<const AtlasDraw> atlas_;
     bool atlasIsNew_ = false, atlasReady_ = true; ///< ready: nothing of it is still to be rendered
@@ -144,7 +154,7 @@ private:
     std::vector<Mark> marks_, lampMarks_;
     bool isPicking_ = false, marksAreNew_ = false, lampsAreNew_ = false;
     Mix mix_;
-    bool sceneIsNew_ = false, octreeIsNew_ = false, coloursAreNew_ = false, mixIsNew_ = false, needsMetering_ = false;
+    bool sceneIsNew_ = false, bakeIsNew_ = false, coloursAreNew_ = false, mixIsNew_ = false, needsMetering_ = false;
     bool isMoving_ = false, shadowsReady_ = false, mirrorsReady_ = false, toldSettled_ = false, isRefined_ = false;
     int sample_ = 0;                           ///< pictures averaged so far
     bool isShading_ = false, isWhole_ = false; ///< the next one is drawn in parts; it is drawn, and not shown yet

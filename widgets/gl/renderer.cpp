@@ -9,6 +9,7 @@ namespace lightloom {
 
 namespace {
 
+constexpr int kGuestMark = -1;         ///< in place of an environment map's number
 constexpr float kMostHalf = 60'000.0f; ///< emission is scaled to stay below the end of half floats
 
 } // namespace
@@ -56,6 +57,9 @@ Result<Done> Renderer::linkPrograms()
     Result<MarkPass> marks = MarkPass::make(gl_, shaders);
     if (!marks) return marks.error();
     marks_.emplace(std::move(*marks));
+    Result<VertexPass> vertices = VertexPass::make(gl_, shaders);
+    if (!vertices) return vertices.error();
+    vertices_.emplace(std::move(*vertices));
     Result<EnvironmentMaps> environments = EnvironmentMaps::make(gl_, shaders);
     if (!environments) return environments.error();
     environments_.emplace(std::move(*environments));
@@ -65,18 +69,41 @@ Result<Done> Renderer::linkPrograms()
 Result<Done> Renderer::setScene(std::shared_ptr<const DrawData> data)
 {
     scene_.reset();
+    guest_.reset();
     unlit_.reset();
     (void)vdl_->setOctree(nullptr); // dropping cannot fail
     (void)grid_->setGrid(nullptr);
+    vertices_->setVertices(nullptr);
     (void)atlas_->setAtlas(nullptr);
     (void)colours_->setOctree(nullptr);
     if (!data) return Done{};
-    float brightest = 0.0f;
-    for (const Material& m : data->scene->materials) brightest = std::max(brightest, maxChannel(m.emission));
-    emissionScale_ = brightest > kMostHalf ? brightest / kMostHalf : 1.0f;
     scene_.emplace(gl_, data);
+    scaleEmission();
     environments_->setScene(*data);
     return shadows_.setScene(*data);
+}
+
+void Renderer::scaleEmission()
+{
+    float brightest = 0.0f;
+    for (const auto* buffers : {&scene_, &guest_}) {
+        if (!*buffers) continue;
+        for (const Material& m : (*buffers)->data().scene->materials)
+            brightest = std::max(brightest, maxChannel(m.emission));
+    }
+    emissionScale_ = brightest > kMostHalf ? brightest / kMostHalf : 1.0f;
+}
+
+void Renderer::setGuest(const std::shared_ptr<const DrawData>& data)
+{
+    guest_.reset();
+    if (data) guest_.emplace(gl_, data);
+    scaleEmission();
+}
+
+void Renderer::setGuestPlace(const glm::mat4& place)
+{
+    if (guest_) guest_->setPlace(place);
 }
 
 Result<Done> Renderer::setLamps(const DrawData& data)
@@ -153,12 +180,16 @@ void Renderer::drawSurfaces(const GBuffer& buffers, const FrameView& frame, glm:
     viewProjection_ = shifted * frame.projection * frame.view;
     surfaceProgram_.set("viewProjection", viewProjection_);
     scene_->draw(surfaceProgram_, true, emissionScale_, environments_->ofInstances(), without);
+    if (!guest_ || without >= 0) return; // environment maps stay as they are when it moves
+    guest_->draw(surfaceProgram_, true, emissionScale_,
+                 std::vector<int>(guest_->data().scene->instances.size(), kGuestMark));
 }
 
 /// Takes from the light behind glass what the glass takes. Before the background there is nothing to take.
 void Renderer::drawGlass(const GBuffer& buffers, const FrameView& frame, glm::vec2 shift)
 {
-    if (!scene_ || !scene_->hasGlass()) return;
+    const bool isGuestClear = guest_ && guest_->hasGlass();
+    if (!scene_ || !(scene_->hasGlass() || isGuestClear)) return;
     gl_.glBindFramebuffer(GL_FRAMEBUFFER, buffers.lighting.id());
     gl_.glDisable(GL_DEPTH_TEST); // the shader compares with the surfaces itself: this framebuffer has no depth
     gl_.glEnable(GL_BLEND);
@@ -172,6 +203,7 @@ void Renderer::drawGlass(const GBuffer& buffers, const FrameView& frame, glm::ve
     glassProgram_.set("nearer", 1e-5f * scene_->data().scene->bounds.diagonal());
     glassProgram_.setTexture("gPosition", 4, GL_TEXTURE_2D, buffers.position.id());
     scene_->drawGlass(glassProgram_);
+    if (isGuestClear) guest_->drawGlass(glassProgram_);
     gl_.glDisable(GL_BLEND);
 }
 
@@ -348,6 +380,7 @@ void Renderer::present(const FrameView& frame, int samples, GLuint target, glm::
     postProgram_.setTexture("refinement", 1, GL_TEXTURE_2D, buffers_->light.id());
     drawFullscreen(gl_);
     overlay_->draw(frame, *buffers_, samples, window);
+    vertices_->draw(frame, *buffers_, window);
     marks_->draw(frame, *buffers_, window);
     gl_.glBindVertexArray(0);
     gl_.glUseProgram(0);

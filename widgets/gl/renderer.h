@@ -8,6 +8,7 @@
 #include "widgets/gl/overlay_pass.h"
 #include "widgets/gl/scene_buffers.h"
 #include "widgets/gl/shadow_maps.h"
+#include "widgets/gl/vertex_pass.h"
 #include <optional>
 
 namespace lightloom {
@@ -55,9 +56,14 @@ public:
     Result<Done> setOctree(const std::shared_ptr<const GpuOctree>& octree);
     Result<Done> setGrid(const std::shared_ptr<const GpuGrid>& grid);
     Result<Done> setColours(const std::shared_ptr<const GpuOctree>& octree); ///< a colour octree
+    /// An object that was not in the bake: it gets the lamps' light with the scene's shadows, and the bake's where that
+    /// knows light in space (a grid); it throws no shadow and is in no mirror. Null: none. Goes with the scene.
+    void setGuest(const std::shared_ptr<const DrawData>& data);
+    void setGuestPlace(const glm::mat4& place); ///< scene space; no mirroring
     void setMix(const Mix& mix);
     [[nodiscard]] OverlayPass& overlay() { return *overlay_; }
     [[nodiscard]] MarkPass& marks() { return *marks_; }
+    [[nodiscard]] VertexPass& vertices() { return *vertices_; }
 
     /// Draws picture number `sample` (0 begins anew) of those that are averaged, at `size` pixels, and shows the mean
     /// stretched over `window` pixels of framebuffer `target`. Samples after the first are taken through pixels shifted
@@ -92,6 +98,7 @@ public:
 
     struct SurfaceSample {
         glm::vec3 position, normal; ///< scene space
+        bool isGuest = false;
     };
     /// Surface in the last picture at `at` (0 to 1, from the lower left). Reads one pixel back.
     [[nodiscard]] std::optional<SurfaceSample> surfaceAt(glm::vec2 at) const;
@@ -114,6 +121,7 @@ public:
 private:
     explicit Renderer(Gl& gl) : gl_(gl), shadows_(gl), empty_(gl) {}
     Result<Done> linkPrograms();
+    void scaleEmission();                               ///< so that what glows stays within half floats
     [[nodiscard]] static glm::vec2 shiftOf(int sample); ///< where in a pixel it looks, -0.5 to 0.5
     void drawSurfaces(const GBuffer& buffers, const FrameView& frame, glm::vec2 shift, int without);
     void drawLight(const GBuffer& buffers, const FrameView& frame, bool mirrors);
@@ -137,10 +145,11 @@ private:
     std::unique_ptr<ModeIvg> grid_;
     std::optional<OverlayPass> overlay_;
     std::optional<MarkPass> marks_;
+    std::optional<VertexPass> vertices_;
     std::optional<EnvironmentMaps> environments_;
     ShadowMaps shadows_;
     GlVertexArray empty_;
-    std::optional<SceneBuffers> scene_;
+    std::optional<SceneBuffers> scene_, guest_;
     std::optional<GBuffer> buffers_;
     std::unique_ptr<ModeAtlas> atlas_;
     glm::mat4 viewProjection_{1.0f}; ///< of the surfaces drawn last

@@ -24,16 +24,18 @@ std::optional<Renderer::SurfaceSample> Renderer::surfaceAt(glm::vec2 at) const
 {
     if (!buffers_ || !(at.x >= 0.0f && at.x < 1.0f && at.y >= 0.0f && at.y < 1.0f)) return std::nullopt;
     const glm::ivec2 pixel(at * glm::vec2(buffers_->size));
-    glm::vec4 position(0.0f), normal(0.0f);
+    glm::vec4 position(0.0f), normal(0.0f), emission(0.0f);
     gl_.glBindFramebuffer(GL_READ_FRAMEBUFFER, buffers_->surfaces.id());
     gl_.glReadBuffer(GL_COLOR_ATTACHMENT0);
     gl_.glReadPixels(pixel.x, pixel.y, 1, 1, GL_RGBA, GL_FLOAT, &position);
     gl_.glReadBuffer(GL_COLOR_ATTACHMENT1);
     gl_.glReadPixels(pixel.x, pixel.y, 1, 1, GL_RGBA, GL_FLOAT, &normal);
+    gl_.glReadBuffer(GL_COLOR_ATTACHMENT3);
+    gl_.glReadPixels(pixel.x, pixel.y, 1, 1, GL_RGBA, GL_FLOAT, &emission);
     if (position.w < 0.5f) return std::nullopt;
     const glm::vec3 n(normal.x, normal.y, normal.z);
     if (!(glm::length(n) > 0.5f)) return std::nullopt;
-    return SurfaceSample{{position.x, position.y, position.z}, glm::normalize(n)};
+    return SurfaceSample{{position.x, position.y, position.z}, glm::normalize(n), emission.w < -0.5f};
 }
 
 Renderer::Pixels Renderer::readBack() const

@@ -101,11 +101,12 @@ void SceneBuffers::setMaterial(const GlProgram& program, std::size_t index, bool
     }
 }
 
-void SceneBuffers::setPlace(const GlProgram& program, const Instance& instance) const
+void SceneBuffers::placeOne(const GlProgram& program, const Instance& instance) const
 {
-    program.set("toWorld", instance.toWorld);
+    const glm::mat4 toWorld = place_ * instance.toWorld;
+    program.set("toWorld", toWorld);
     // the inverse transpose up to scale, without dividing by a determinant that may be tiny
-    const glm::mat3 m(instance.toWorld);
+    const glm::mat3 m(toWorld);
     const glm::mat3 cofactors(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
     program.set("normalToWorld", instance.isMirrored() ? -cofactors : cofactors);
 }
@@ -137,9 +138,9 @@ void SceneBuffers::draw(const GlProgram& program, bool surfaces, float emissionS
         gl_.glFrontFace(instance.isMirrored() ? GL_CW : GL_CCW);
         if (surfaces) {
             program.set("environment", environments.empty() ? 0.0f : static_cast<float>(environments[i]));
-            setPlace(program, instance);
+            placeOne(program, instance);
         } else {
-            program.set("toWorld", instance.toWorld);
+            program.set("toWorld", place_ * instance.toWorld);
         }
         drawMesh(mesh);
     }
@@ -160,7 +161,7 @@ void SceneBuffers::drawGlass(const GlProgram& program) const
         if (!isClear(m)) continue;
         setMaterial(program, material, false, 1.0f);
         program.set("glass", glm::vec3((1.0f - m.metallic) * m.transmission, m.ior, m.thickness > 0.0f ? 0.0f : 1.0f));
-        setPlace(program, instance);
+        placeOne(program, instance);
         drawMesh(mesh);
     }
     gl_.glBindVertexArray(0);

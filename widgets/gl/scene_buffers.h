@@ -17,6 +17,8 @@ public:
     /// instance, as EnvironmentMaps has them, or empty; instance `without` (-1: none) is left out.
     void draw(const GlProgram& program, bool surfaces, float emissionScale, const std::vector<int>& environments = {},
               int without = -1) const;
+    /// Where the whole of it stands, from now on: no mirroring. For what is not part of the scene that others know.
+    void setPlace(const glm::mat4& place) { place_ = place; }
     /// Meshes of mostly clear materials, which `draw` leaves out with `surfaces`: both faces, for glass.frag.
     void drawGlass(const GlProgram& program) const;
     [[nodiscard]] bool hasGlass() const;
@@ -28,7 +30,7 @@ private:
     void uploadTextures();
     GLuint textureOf(const Texture& texture, bool srgb);
     void setMaterial(const GlProgram& program, std::size_t index, bool surfaces, float emissionScale) const;
-    void setPlace(const GlProgram& program, const Instance& instance) const; ///< with the normals' way to the world
+    void placeOne(const GlProgram& program, const Instance& instance) const; ///< with the normals' way to the world
     void drawMesh(std::size_t mesh) const;
 
     struct MaterialTextures {
@@ -42,6 +44,7 @@ private:
     std::vector<GlTexture> textures_;
     std::map<std::string, GLuint> byUse_; ///< one texture per image, colour space and sampler
     std::vector<MaterialTextures> materials_;
+    glm::mat4 place_{1.0f};
     std::size_t bytes_ = 0;
 };
 
