@@ -4,15 +4,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace lightloom {
 namespace {
 
 constexpr int kRounds = 16;
 constexpr float kSameDirection = 1e-6f; ///< 1 - cosine below which two directions are one
-constexpr double kRounding = 1e-7;      ///< of all weight: a sum below it says nothing
+constexpr float kRounding = 1e-7f;      ///< of all weight: a sum below it says nothing
 
-/// What is clustered, in groups of eight.
+/// What is clustered, in groups of eight. Weights are shares of all weight: squares of small fluxes underflow.
 struct Directions {
     const float* x;
     const float* y;
@@ -78,6 +79,12 @@ LIGHTLOOM_WIDE_VECTORS void nearer(const Directions& d, const float* centre, flo
     lanesOf<Ints8>(places, 0) = at;
 }
 
+[[gnu::always_inline]] inline float sumOf(const Floats8& s)
+{
+    const Floats4 four = __builtin_shufflevector(s, s, 0, 1, 2, 3) + __builtin_shufflevector(s, s, 4, 5, 6, 7);
+    return (four[0] + four[2]) + (four[1] + four[3]);
+}
+
 /// Sends each direction to its nearest of K centres, the first of equals, and sums weight * direction of each cluster.
 /// False: all stayed.
 template<int K>
@@ -111,8 +118,7 @@ template<int K>
     }
     for (int j = 0; j < K; ++j) {
         for (int axis = 0; axis < 3; ++axis) {
-            const Floats8& s = sums[j][axis];
-            out[static_cast<std::size_t>(j)][axis] = ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]));
+            out[static_cast<std::size_t>(j)][axis] = sumOf(sums[j][axis]);
         }
     }
     std::int32_t any = 0;
@@ -132,6 +138,14 @@ LIGHTLOOM_WIDE_VECTORS bool assignToEight(const Directions& d, const Centres& ce
     return assign<8>(d, centres, cluster, sums);
 }
 
+LIGHTLOOM_WIDE_VECTORS void makeShares(float* weight, std::size_t groups)
+{
+    Floats8 sums{};
+    for (std::size_t g = 0; g < groups; ++g) sums += lanesOf<Floats8>(weight, g);
+    const float all = sumOf(sums), share = all >= std::numeric_limits<float>::min() ? 1.0f / all : 0.0f;
+    for (std::size_t g = 0; g < groups; ++g) lanesOf<Floats8>(weight, g) *= share;
+}
+
 Directions takeIn(std::span<const LightVector> lights, ClusterScratch& s)
 {
     const std::size_t groups = (lights.size() + kLanes - 1) / kLanes, places = groups * kLanes;
@@ -142,6 +156,7 @@ Directions takeIn(std::span<const LightVector> lights, ClusterScratch& s)
         s.x[i] = to.x, s.y[i] = to.y, s.z[i] = to.z;
         s.weight[i] = isUsed ? lights[i].weight : 0.0f;
     }
+    makeShares(s.weight.data(), groups);
     s.nearest.assign(places, -2.0f);
     s.cluster.assign(places, 0);
     return {s.x.data(), s.y.data(), s.z.data(), s.weight.data(), groups};
@@ -166,12 +181,11 @@ int seed(Centres& centres, int k, const Directions& d, ClusterScratch& s)
 }
 
 /// Moves each centre to the mean direction of its cluster; one whose directions cancel stays.
-void recentre(Centres& centres, int clusters, const Centres& sums, double weight)
+void recentre(Centres& centres, int clusters, const Centres& sums)
 {
     for (std::size_t j = 0; j < static_cast<std::size_t>(clusters); ++j) {
-        const glm::dvec3 sum(sums[j]); // squares of small fluxes underflow in float
-        const double length = glm::length(sum);
-        if (length > kRounding * weight) centres[j] = glm::vec3(sum / length);
+        const float length = glm::length(sums[j]);
+        if (length > kRounding) centres[j] = sums[j] * (1.0f / length);
     }
     std::fill(centres.begin() + clusters, centres.end(), centres[0]);
 }
@@ -186,12 +200,10 @@ int clusterDirections(std::span<const LightVector> lights, int k, ClusterScratch
     const int clusters = seed(centres, std::min(k, kMostClusters), d, s);
     if (clusters == 1) return 1;
     const auto assignAll = clusters <= 4 ? assignToFour : assignToEight;
-    double weight = 0.0;
-    for (const LightVector& light : lights) weight += static_cast<double>(light.weight);
     Centres sums;
     assignAll(d, centres, s.cluster.data(), sums);
     for (int round = 0; round < kRounds; ++round) {
-        recentre(centres, clusters, sums, weight);
+        recentre(centres, clusters, sums);
         if (!assignAll(d, centres, s.cluster.data(), sums)) break;
     }
     return clusters;

@@ -67,15 +67,15 @@ bool LayerFit::fit(std::uint32_t e, FitScratch& s) const
         s.density = estimate(kernels_.sparse);
     }
     const Density& density = s.density;
-    s.lights.clear();
-    for (const std::uint32_t number : s.gathered.photons) {
-        const Photon& photon = map_.photon(number);
-        const glm::vec3 lux = photon.flux * static_cast<float>(density.perFlux);
+    s.lights.resize(s.gathered.photons.size());
+    const auto perFlux = static_cast<float>(density.perFlux);
+    for (std::size_t i = 0; i < s.lights.size(); ++i) {
+        const Photon& photon = map_.photon(s.gathered.photons[i]);
         // a photon's density already holds the cosine at its own surface (METHODS section 3): divide it out, except
         // in the form as printed
-        const float cosine = glm::max(glm::dot(photon.normal, photon.toLight), kLeastCosine);
-        const glm::vec3 colour = form_ == VdlForm::corrected ? lux / cosine : lux;
-        s.lights.push_back({photon.toLight, colour, luminance(photon.flux)});
+        const float cosine =
+            form_ == VdlForm::corrected ? glm::max(glm::dot(photon.normal, photon.toLight), kLeastCosine) : 1.0f;
+        s.lights[i] = {photon.toLight, photon.flux * (perFlux / cosine), luminance(photon.flux)};
     }
     const auto count = static_cast<std::size_t>(layer_.count);
     const std::span<Vdl> vdls = std::span(layer_.vdls).subspan(e * count, count);

@@ -17,8 +17,8 @@ using Sums = double __attribute__((vector_size(32)));
 
 /// Of the lights of one cluster: sum of (colour, weight) times toLight's x, y, z, and times 1.
 struct VectorSum {
-    Sums x{}, y{}, z{}, one{};
-    const LightVector* strongest = nullptr;
+    Sums x, y, z, one;
+    const LightVector* strongest;
 
     [[nodiscard]] glm::dvec3 vectorOf(int channel) const { return {x[channel], y[channel], z[channel]}; }
     [[nodiscard]] glm::dvec3 colour() const { return {one[0], one[1], one[2]}; }
@@ -68,7 +68,8 @@ void fitVdls(std::span<const LightVector> lights, glm::vec3 n, VdlForm form, std
 {
     std::ranges::fill(out, Vdl{glm::vec3(0.0f), n});
     const int clusters = clusterDirections(lights, static_cast<int>(out.size()), scratch);
-    std::array<VectorSum, kMostClusters> sums{};
+    std::array<VectorSum, kMostClusters> sums;
+    std::fill_n(sums.begin(), clusters, VectorSum{}); // most places are not used
     addUp(lights, scratch.cluster.data(), sums.data());
     std::size_t used = 0;
     for (int j = 0; j < clusters; ++j) {

@@ -146,16 +146,29 @@ Weights fitted(const PhotonSums& sums, const AreaMoments& m, double radius, Gath
             glm::mix(mean.w, plane.w, slope)};
 }
 
+/// Those that can hide something within `radius` of the centre. Entries in folds have ten, most of them further off
+/// than a kernel reaches.
+Screens within(float radius, Screens screens, std::vector<Screen>& kept)
+{
+    kept.clear();
+    for (const Screen& screen : screens) {
+        if (screen.behind < radius) kept.push_back(screen);
+    }
+    return kept;
+}
+
 } // namespace
 
 Density estimateDensity(const PhotonMap& map, const SurfaceArea& area, const DensityKernel& kernel, glm::vec3 p,
                         glm::vec3 n, Gathered& gathered, Screens screens)
 {
+    screens = within(kernel.cap, screens, gathered.screens);
     const GatherQuery query{p, n, kernel.cap, kernel.stretch, kernel.leastCosine, kernel.count, screens};
     map.gather(query, gathered);
     const Kernels kernels = nestedKernels(kernel, gathered);
     std::array<AreaMoments, kMostKernels> moments;
-    const KernelPlace place{p, n, kernel.stretch, kernel.leastCosine, screens};
+    const Screens near = within(gathered.radius, screens, gathered.nearScreens);
+    const KernelPlace place{p, n, kernel.stretch, kernel.leastCosine, near};
     area.under(place, std::span(kernels.radii).first(kernels.size), std::span(moments).first(kernels.size));
 
     Density density;

@@ -1,65 +1,116 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/photonmap/disc_moments.h"
 
+#include "core/base/wide_vectors.h"
 #include <algorithm>
+#include <array>
+#include <cassert>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace lightloom {
 namespace {
 
-double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
+using Doubles4 = double __attribute__((vector_size(32)));
+using Longs4 = std::int64_t __attribute__((vector_size(32)));
 
-/// Signed, of the triangle (origin, p, q).
-AreaMoments triangle(glm::dvec2 p, glm::dvec2 q) { return momentsOfTriangle(glm::dvec2(0.0), p, q, 0.5 * cross(p, q)); }
+// vectors are handed over by reference: by value depends on the machine
 
-/// Signed angle from p to q.
-double turnFrom(glm::dvec2 p, glm::dvec2 q)
+[[gnu::always_inline]] inline void takeRoot(Doubles4& x)
 {
-    const double sine = cross(p, q), cosine = glm::dot(p, q);
-    if (!(std::abs(sine) < 0.2 * cosine)) return std::atan2(sine, cosine);
-    const double t = sine / cosine, tt = t * t; // most turns are small: the series, exact to 1e-13
-    return t * (1.0 +
-                tt * (-1.0 / 3 +
-                      tt * (1.0 / 5 +
-                            tt * (-1.0 / 7 + tt * (1.0 / 9 + tt * (-1.0 / 11 + tt * (1.0 / 13 + tt * (-1.0 / 15))))))));
+    for (std::size_t i = 0; i < 4; ++i) x[i] = std::sqrt(x[i]);
 }
 
-/// Signed, of the sector of the disc between the directions of p and q.
-AreaMoments sector(glm::dvec2 p, glm::dvec2 q, double r)
+[[gnu::always_inline]] inline double sumOf(const Doubles4& s) { return (s[0] + s[2]) + (s[1] + s[3]); }
+
+/// Angles from 0 to pi with these sines (not negative) and cosines.
+[[gnu::always_inline]] inline void findAngles(const Doubles4& sine, const Doubles4& cosine, Doubles4& out)
 {
-    const double turn = turnFrom(p, q);
-    const double lp = glm::length(p), lq = glm::length(q);
-    if (!(lp > 0.0 && lq > 0.0)) return {};
-    // sines and cosines of the two directions; double angles from them
-    const glm::dvec2 a = p / lp, b = q / lq;
-    const double r2 = r * r, r3 = r2 * r / 3.0, r4 = r2 * r2 / 4.0;
-    const double doubled = 0.5 * (b.x * b.y - a.x * a.y); // (sin 2b - sin 2a) / 4
-    return {0.5 * r2 * turn,
-            {r3 * (b.y - a.y), r3 * (a.x - b.x)},
-            r4 * (0.5 * turn + doubled),
-            r4 * 0.5 * (b.y * b.y - a.y * a.y),
-            r4 * (0.5 * turn - doubled)};
+    // the tangent of half the angle, or its cotangent: from 0 to 1, as the tangent k of a known angle and a small rest
+    const Doubles4 whole = 1.0 + (cosine < 0.0 ? -cosine : cosine), zero{};
+    const Longs4 isMiddle = sine > 0.25 * whole, isLarge = sine > 0.75 * whole;
+    const Doubles4 k = isLarge ? zero + 1.0 : isMiddle ? zero + 0.5 : zero;
+    const Doubles4 known = isLarge ? zero + 0.25 * std::numbers::pi : isMiddle ? zero + 0.46364760900080611621 : zero;
+    const Doubles4 t = (sine - k * whole) / (whole + k * sine); // at most 1/4
+    const Doubles4 x = t * t, x2 = x * x, x4 = x2 * x2;
+    const Doubles4 low = (1.0 - 1.0 / 3 * x) + x2 * (1.0 / 5 - 1.0 / 7 * x);
+    const Doubles4 high = (1.0 / 9 - 1.0 / 11 * x) + x2 * (1.0 / 13 - 1.0 / 15 * x) + x4 * (1.0 / 17 - 1.0 / 19 * x);
+    const Doubles4 angle = 2.0 * (known + t * (low + x4 * high)); // exact to 2e-14
+    out = cosine < 0.0 ? std::numbers::pi - angle : angle;
 }
 
-/// Signed, of the triangle (origin, a, b) cut with the disc.
-AreaMoments cutTriangle(glm::dvec2 a, glm::dvec2 b, double r)
+/// Corners of a polygon one after the other: edge i goes from place i to the next; the last ones, up to a group of
+/// four, go nowhere.
+struct Ring {
+    static constexpr std::size_t kMost = kMostCorners + 4;
+    double x[kMost], y[kMost];
+    std::size_t edges;
+
+    Ring(std::span<const glm::dvec2> corners, double radius) : edges(corners.size())
+    {
+        const double near = 1e-12 * radius; // at the origin itself a corner has no direction
+        for (std::size_t i = 0; i <= corners.size(); ++i) {
+            const glm::dvec2 corner = corners[i > 0 ? i - 1 : corners.size() - 1];
+            const bool isThere = glm::dot(corner, corner) > near * near;
+            x[i] = isThere ? corner.x : near, y[i] = isThere ? corner.y : 0.0;
+        }
+        for (std::size_t i = edges; i % 4 != 0; ++i) x[i + 1] = x[i], y[i + 1] = y[i];
+    }
+};
+
+/// What edges take from the disc, four at a time, added to area, first x and y, xx, xy, yy of `sums`: the triangle
+/// (origin, a, b) within it less the sector, signed; nothing where an edge from a to b does not meet it. Gives how
+/// often the edges turn around the origin.
+LIGHTLOOM_WIDE_VECTORS std::int64_t takenByEdges(const Ring& ring, double r, double* sums)
 {
-    const glm::dvec2 d = b - a;
-    const double dd = glm::dot(d, d);
-    if (!(dd > 0.0)) return {};
-    // where the line a + t d meets the circle
-    const double half = glm::dot(a, d) / dd, gap = half * half - (glm::dot(a, a) - r * r) / dd;
-    if (!(gap > 0.0)) return sector(a, b, r);
-    const double root = std::sqrt(gap);
-    const double enter = std::max(0.0, -half - root), leave = std::min(1.0, -half + root);
-    if (enter >= leave) return sector(a, b, r);
-    const glm::dvec2 p = a + enter * d, q = a + leave * d;
-    AreaMoments sum = triangle(p, q);
-    if (enter > 0.0) sum += sector(a, p, r);
-    if (leave < 1.0) sum += sector(q, b, r);
-    return sum;
+    Longs4 turns{};
+    Doubles4 all[6] = {};
+    for (std::size_t i = 0; i < ring.edges; i += 4) {
+        const auto four = [](const double* values) -> const auto& { return lanesOf<Doubles4>(values, 0); };
+        const Doubles4 ax = four(ring.x + i), ay = four(ring.y + i), bx = four(ring.x + i + 1),
+                       by = four(ring.y + i + 1);
+        // how often the way from a to b turns around the origin, by where it crosses the x axis right of it: exactly
+        // the angles that sectors are given, summed over the polygon, whatever rounding says of an edge through the
+        // origin. What lies on the axis counts as below it
+        const Doubles4 across = ax * by - ay * bx;
+        const Longs4 isLeft = (across > 0.0) | ((across == 0.0) & (bx > ax)); // the origin, of the way
+        turns += ((ay <= 0.0) & (by > 0.0) & isLeft & 1) - ((ay > 0.0) & (by <= 0.0) & ~isLeft & 1);
+
+        // where the line a + t d meets the circle: dd t^2 + 2 along t + outside = 0
+        const Doubles4 dx = bx - ax, dy = by - ay, dd = dx * dx + dy * dy, along = ax * dx + ay * dy, zero{};
+        const Doubles4 outside = ax * ax + ay * ay - r * r, gap = along * along - dd * outside;
+        Doubles4 root = gap > 0.0 ? gap : zero;
+        takeRoot(root);
+        const Doubles4 in = -along - root, out = -along + root;
+        const Doubles4 enter = in > 0.0 ? in : zero, leave = out < dd ? out : dd;
+        const Longs4 meets = (gap > 0.0) & (enter < leave);
+        if ((meets[0] | meets[1] | meets[2] | meets[3]) == 0) continue;
+        const Doubles4 perLength = 1.0 / dd, begin = enter * perLength, end = leave * perLength;
+        const Doubles4 px = ax + begin * dx, py = ay + begin * dy;
+        const Longs4 leaves = out < dd; // if it does not, exactly b: it may lie near the origin
+        const Doubles4 qx = leaves ? ax + end * dx : bx, qy = leaves ? ay + end * dy : by;
+
+        Doubles4 atP = px * px + py * py, atQ = qx * qx + qy * qy, angle;
+        takeRoot(atP), takeRoot(atQ);
+        const Doubles4 both = 1.0 / (atP * atQ), toP = both * atQ, toQ = both * atP; // divisions are what costs here
+        const Doubles4 ux = px * toP, uy = py * toP, vx = qx * toQ, vy = qy * toQ, turned = ux * vy - uy * vx;
+        findAngles(turned < 0.0 ? -turned : turned, ux * vx + uy * vy, angle);
+        const Doubles4 turn = isLeft ? angle : -angle;
+        const double r2 = r * r, r3 = r2 * r / 3.0, r4 = r2 * r2 / 4.0;
+        const Doubles4 doubled = 0.5 * (vx * vy - ux * uy); // (sin 2v - sin 2u) / 4
+
+        const Doubles4 area = 0.5 * (px * qy - py * qx), third = 1.0 / 3 * area, part = 1.0 / 12 * area;
+        const Doubles4 sx = px + qx, sy = py + qy;
+        const auto add = [&](std::size_t moment, const Doubles4& value) { all[moment] += meets ? value : zero; };
+        add(0, area - 0.5 * r2 * turn);
+        add(1, third * sx - r3 * (vy - uy));
+        add(2, third * sy - r3 * (ux - vx));
+        add(3, part * (px * px + qx * qx + sx * sx) - r4 * (0.5 * turn + doubled));
+        add(4, part * (px * py + qx * qy + sx * sy) - 0.5 * r4 * (vy * vy - uy * uy));
+        add(5, part * (py * py + qy * qy + sy * sy) - r4 * (0.5 * turn - doubled));
+    }
+    for (std::size_t m = 0; m < 6; ++m) sums[m] = sumOf(all[m]);
+    return (turns[0] + turns[2]) + (turns[1] + turns[3]);
 }
 
 } // namespace
@@ -88,23 +139,14 @@ AreaMoments momentsOfDisc(double radius)
     return {area, glm::dvec2(0.0), second, 0.0, second};
 }
 
-double depthInside(std::span<const glm::dvec2> corners)
-{
-    double depth = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-        const glm::dvec2 a = corners[i], d = corners[(i + 1) % corners.size()] - a;
-        const double length = glm::length(d);
-        if (length > 0.0) depth = std::min(depth, cross(a, d) / length);
-    }
-    return depth;
-}
-
 AreaMoments momentsInDisc(std::span<const glm::dvec2> corners, double radius)
 {
-    AreaMoments sum;
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-        sum += cutTriangle(corners[i], corners[(i + 1) % corners.size()], radius);
-    }
+    assert(!corners.empty() && corners.size() <= kMostCorners);
+    // sectors of all edges together are the disc, or nothing if it lies outside: only edges that meet it count
+    std::array<double, 6> m;
+    const std::int64_t turns = takenByEdges(Ring(corners, radius), radius, m.data());
+    AreaMoments sum{m[0], {m[1], m[2]}, m[3], m[4], m[5]};
+    if (turns != 0) sum += momentsOfDisc(radius).scaled(static_cast<double>(turns));
     return sum.area > 0.0 ? sum : AreaMoments{}; // rounding
 }
 

@@ -28,11 +28,10 @@ struct AreaMoments {
 /// Of the whole disc around the origin.
 [[nodiscard]] AreaMoments momentsOfDisc(double radius);
 
-/// Distance from the origin to the nearest edge's line of a convex polygon (corners counter-clockwise) that holds it;
-/// negative outside. A disc of that radius lies within.
-[[nodiscard]] double depthInside(std::span<const glm::dvec2> corners);
+inline constexpr std::size_t kMostCorners = 12;
 
-/// Of the part of a convex polygon (corners counter-clockwise) within `radius` of the origin; exact.
+/// Of the part of a convex polygon (corners counter-clockwise, at most kMostCorners) within `radius` of the origin;
+/// exact.
 [[nodiscard]] AreaMoments momentsInDisc(std::span<const glm::dvec2> corners, double radius);
 
 } // namespace lightloom

@@ -32,11 +32,10 @@ struct FacetsSeen {
     unsigned touched = 0;                        ///< bits of those that are hidden, perhaps or in part
     FacetsSeen(const FacetBlock& block, Screens screens, glm::vec3 centre, glm::vec3 normal, float leastCosine,
                float small);
-    /// The block with the areas that are left.
-    [[nodiscard]] FacetBlock leftOf(FacetBlock block) const
+    /// Leaves of a copy of the block what is seen.
+    void keepSeen(FacetBlock& block) const
     {
         for (std::size_t i = 0; i < FacetBlock::kCount; ++i) block.area[i] *= share[i];
-        return block;
     }
 
 private:

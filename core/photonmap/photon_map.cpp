@@ -254,7 +254,9 @@ void PhotonMap::gather(const GatherQuery& query, Gathered& out) const
     out.photons.resize(search.found);
     for (std::size_t i = 0; i < search.found; ++i) {
         out.photons[i] = static_cast<std::uint32_t>(out.keys[i]);
-        __builtin_prefetch(&paths_.photons[out.photons[i]]); // whoever gathers looks at them next
+        const Photon& photon = paths_.photons[out.photons[i]]; // whoever gathers looks at them next
+        __builtin_prefetch(&photon);
+        __builtin_prefetch(reinterpret_cast<const char*>(&photon + 1) - 1); // most lie across two cache lines
     }
 }
 

@@ -28,6 +28,7 @@ struct Gathered {
     std::vector<std::uint64_t> keys;    ///< the same with their distances (least_keys.h), in the same order
     std::vector<std::uint64_t> candidates, work; ///< memory of searches
     BoxGroups::Near near;                        ///< memory of searches
+    std::vector<Screen> screens, nearScreens;    ///< memory of density estimates
     /// A guess at the next radius, from the last gather: saves time where queries lie close, and changes nothing else.
     float expected = 0.0f;
 };

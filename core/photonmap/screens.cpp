@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/photonmap/screens.h"
+#include <utility>
 
 namespace lightloom {
 
@@ -30,15 +31,26 @@ void FacetPart::dropBeyond(const Screen& screen)
 
 void FacetPart::keepAbove(glm::dvec3 normal, double least)
 {
-    const std::array<glm::dvec3, kMost> from = points_;
-    const std::size_t count = count_;
-    count_ = 0;
+    std::array<double, kMost> above; // by how much
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < count_; ++i) {
+        above[i] = glm::dot(normal, points_[i]) - least;
+        kept += above[i] >= 0.0 ? 1 : 0;
+    }
+    if (kept == count_) return;
+    if (kept == 0) {
+        count_ = 0;
+        return;
+    }
+    std::array<glm::dvec3, kMost> from;
+    const std::size_t count = std::exchange(count_, 0);
+    std::copy_n(points_.begin(), count, from.begin());
     for (std::size_t i = 0; i < count; ++i) {
-        const glm::dvec3 a = from[i], b = from[(i + 1) % count];
-        const double atA = glm::dot(normal, a) - least, atB = glm::dot(normal, b) - least;
+        const std::size_t next = i + 1 < count ? i + 1 : 0;
         if (count_ + 2 > kMost) break;
-        if (atA >= 0.0) points_[count_++] = a;
-        if ((atA >= 0.0) != (atB >= 0.0)) points_[count_++] = a + (b - a) * (atA / (atA - atB));
+        if (above[i] >= 0.0) points_[count_++] = from[i];
+        if ((above[i] >= 0.0) != (above[next] >= 0.0))
+            points_[count_++] = from[i] + (from[next] - from[i]) * (above[i] / (above[i] - above[next]));
     }
     if (count_ < 3) count_ = 0;
 }

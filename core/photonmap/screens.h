@@ -50,6 +50,7 @@ using Screens = std::span<const Screen>;
 /// A part of a triangle (corners from the kernel's centre): a convex polygon, in the same order.
 class FacetPart {
 public:
+    static constexpr std::size_t kMost = 12; ///< corners: a triangle gains one a cut; more by rounding
     explicit FacetPart(const std::array<glm::dvec3, 3>& corners) { std::ranges::copy(corners, points_.begin()); }
     /// What the screen hides stays.
     void keepHidden(const Screen& screen);
@@ -59,7 +60,6 @@ public:
 
 private:
     void keepAbove(glm::dvec3 normal, double least);
-    static constexpr std::size_t kMost = 12; // a triangle gains a corner a cut; more by rounding
     std::array<glm::dvec3, kMost> points_;
     std::size_t count_ = 3;
 };

@@ -34,11 +34,29 @@ public:
 
     void add(const ReachedFacet& f) { add(fromCentre(f, centre_), 1.0); }
 
-    /// Counted `times`.
-    void add(const FacetPart& part, double times)
+    /// A convex flat polygon, counted `times`.
+    void add(std::span<const glm::dvec3> corners, double times)
     {
-        const std::span<const glm::dvec3> corners = part.corners();
-        for (std::size_t i = 2; i < corners.size(); ++i) add({corners[0], corners[i - 1], corners[i]}, times);
+        static_assert(FacetPart::kMost <= kMostCorners);
+        assert(corners.size() <= FacetPart::kMost);
+        if (corners.empty()) return;
+        // stretching along the normal turns the ellipsoid into a ball; tangential coordinates stay
+        std::array<glm::dvec3, FacetPart::kMost> grown;
+        double far = 0.0;
+        glm::dvec3 across(0.0), real(0.0);
+        for (std::size_t i = 0; i < corners.size(); ++i) {
+            grown[i] = stretched(corners[i]);
+            far = std::max(far, glm::dot(grown[i], grown[i]));
+            if (i < 2) continue;
+            across += glm::cross(grown[i - 1] - grown[0], grown[i] - grown[0]);
+            real += glm::cross(corners[i - 1] - corners[0], corners[i] - corners[0]);
+        }
+        const double size = times * glm::length(real);
+        if (!(std::abs(size) > 0.0)) return;
+        std::size_t whole = radii_.size();
+        while (whole > 0 && squared(whole - 1) >= far) --whole;
+        if (whole < radii_.size()) whole_[whole] += momentsOf(corners, times);
+        if (whole > 0) cut(std::span(grown).first(corners.size()), across, size, whole);
     }
 
     void finish()
@@ -51,22 +69,6 @@ public:
     }
 
 private:
-    void add(const Triangle& t, double times)
-    {
-        const double real = times * glm::length(glm::cross(t[1] - t[0], t[2] - t[0]));
-        if (!(std::abs(real) > 0.0)) return;
-        // stretching along the normal turns the ellipsoid into a ball; tangential coordinates stay
-        const Corners at{stretched(t[0]), stretched(t[1]), stretched(t[2])};
-        const double far = std::max({glm::dot(at.a, at.a), glm::dot(at.b, at.b), glm::dot(at.c, at.c)});
-        std::size_t whole = radii_.size();
-        while (whole > 0 && squared(whole - 1) >= far) --whole;
-        if (whole < radii_.size()) whole_[whole] += momentsOfTriangle(flat(t[0]), flat(t[1]), flat(t[2]), 0.5 * real);
-        cut(at, real, whole);
-    }
-
-    struct Corners {
-        glm::dvec3 a, b, c;
-    };
     [[nodiscard]] double squared(std::size_t j) const
     {
         return static_cast<double>(radii_[j]) * static_cast<double>(radii_[j]);
@@ -77,27 +79,36 @@ private:
     }
     [[nodiscard]] glm::dvec2 flat(glm::dvec3 d) const { return {glm::dot(d, tangent_), glm::dot(d, bitangent_)}; }
 
-    /// The part within radii below number `whole`.
-    void cut(const Corners& at, double real, std::size_t whole)
+    [[nodiscard]] AreaMoments momentsOf(std::span<const glm::dvec3> corners, double times) const
     {
-        if (whole == 0) return;
-        const glm::dvec3 across = glm::cross(at.b - at.a, at.c - at.a);
+        AreaMoments sum;
+        for (std::size_t i = 2; i < corners.size(); ++i) {
+            const glm::dvec3 a = corners[0], b = corners[i - 1], c = corners[i];
+            const double area = 0.5 * times * glm::length(glm::cross(b - a, c - a));
+            sum += momentsOfTriangle(flat(a), flat(b), flat(c), area);
+        }
+        return sum;
+    }
+
+    /// The part within radii below number `whole`. `across`: twice the area as it is stretched, along its normal;
+    /// `size`: what stands for it.
+    void cut(std::span<const glm::dvec3> at, glm::dvec3 across, double size, std::size_t whole)
+    {
         const double grown = glm::length(across);
         if (!(grown > 0.0)) return;
-        const glm::dvec3 n = across / grown, x = glm::normalize(at.b - at.a), y = glm::cross(n, x);
-        const double height = glm::dot(at.a, n);
-        const auto inPlane = [&](glm::dvec3 p) { return glm::dvec2(glm::dot(p, x), glm::dot(p, y)); };
-        const std::array corners{inPlane(at.a), inPlane(at.b), inPlane(at.c)};
+        const glm::dvec3 n = across / grown, aside = std::abs(n.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+        const glm::dvec3 x = glm::normalize(glm::cross(n, aside)), y = glm::cross(n, x);
+        const double height = glm::dot(at[0], n);
+        if (height * height >= squared(whole - 1)) return;
+        std::array<glm::dvec2, FacetPart::kMost> corners;
+        for (std::size_t i = 0; i < at.size(); ++i) corners[i] = glm::dvec2(glm::dot(at[i], x), glm::dot(at[i], y));
         const glm::dvec2 tx = flat(x), ty = flat(y), shift = flat(height * n);
-        const double inside = depthInside(corners);
-        if (inside * inside >= squared(whole - 1) && inside < 0.0) return; // all beyond one of its edges
         for (std::size_t j = whole; j-- > 0;) {
             const double disc = squared(j) - height * height;
             if (!(disc > 0.0)) return;
-            const double r = std::sqrt(disc);
-            const AreaMoments part = r <= inside ? momentsOfDisc(r) : momentsInDisc(corners, r);
+            const AreaMoments part = momentsInDisc(std::span(corners).first(at.size()), std::sqrt(disc));
             if (!(part.area > 0.0)) return; // smaller discs have nothing either
-            out_[j] += part.moved({tx, ty}, shift).scaled(real / grown);
+            out_[j] += part.moved({tx, ty}, shift).scaled(size / grown);
         }
     }
 
@@ -112,22 +123,19 @@ private:
 void addSeen(const ReachedFacet& facet, const KernelPlace& place, KernelSum& sum)
 {
     const std::array corners{facet.a - place.centre, facet.b - place.centre, facet.c - place.centre};
-    const auto hidesAll = [&](const Screen& screen) { return screen.partOf(corners) == Screen::Part::all; };
-    if (std::ranges::any_of(place.screens, hidesAll)) return;
     FacetPart part(fromCentre(facet, place.centre));
-    const auto forCutting = [&](bool inAllDirections, const auto& use) {
-        for (const Screen& screen : place.screens) {
-            const bool is = screen.isInAllDirections() == inAllDirections;
-            if (is && screen.partOf(corners) == Screen::Part::some) use(screen);
-        }
-    };
-    forCutting(true, [&](const Screen& screen) { part.dropBeyond(screen); });
-    sum.add(part, 1.0);
-    forCutting(false, [&](const Screen& wall) {
+    for (const Screen& screen : place.screens) {
+        const Screen::Part hidden = screen.partOf(corners);
+        if (hidden == Screen::Part::all) return;
+        if (hidden == Screen::Part::some && screen.isInAllDirections()) part.dropBeyond(screen);
+    }
+    sum.add(part.corners(), 1.0);
+    for (const Screen& wall : place.screens) {
+        if (wall.isInAllDirections() || wall.partOf(corners) == Screen::Part::none) continue;
         FacetPart hidden = part;
         hidden.keepHidden(wall);
-        sum.add(hidden, -1.0);
-    });
+        sum.add(hidden.corners(), -1.0);
+    }
 }
 
 } // namespace
@@ -201,13 +209,20 @@ void SurfaceArea::under(const KernelPlace& place, std::span<const float> radii, 
         const auto addLarge = [&](std::size_t count) {
             for (std::size_t i = 0; i < count; ++i) sum.add(facets_[large[i]]);
         };
+        const auto addWhole = [&](const FacetBlock& facets) { addLarge(small.add(facets, first, large)); };
         if (!mayHide(place, number)) {
-            addLarge(small.add(block, first, large));
+            addWhole(block);
             continue;
         }
         const FacetsSeen seen(block, place.screens, place.centre, place.normal, place.leastCosine,
                               kTiny * radii.front());
-        addLarge(small.add(seen.leftOf(block), first, large));
+        if (seen.touched == 0) {
+            addWhole(block);
+            continue;
+        }
+        FacetBlock left = block;
+        seen.keepSeen(left);
+        addWhole(left);
         for (unsigned bits = seen.cut; bits != 0; bits &= bits - 1)
             addSeen(facets_[first + static_cast<std::uint32_t>(std::countr_zero(bits))], place, sum);
     }
