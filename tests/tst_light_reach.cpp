@@ -9,6 +9,7 @@
 #include "core/scene/sample_scenes.h"
 #include "core/scene/scene_builder.h"
 #include "core/trace/light_reach.h"
+#include "core/trace/light_spaces.h"
 #include "core/trace/side_elements.h"
 #include "light_helpers.h"
 #include <QTemporaryDir>
@@ -230,7 +231,7 @@ private Q_SLOTS:
     {
         const auto rays = *RayScene::build(share(furnishedRoom()));
         Workers workers;
-        const auto made = SideElements::build(*rays, workers, {});
+        const auto made = SideElements::build(*rays, SpaceDetail{}.depth, workers, {});
         const SideElements& elements = *made;
         Rng rng(7, 0, 0);
         std::uint64_t refused = 0, facing = 0;
@@ -280,6 +281,24 @@ private Q_SLOTS:
             QVERIFY(a.a == b.a && a.b == b.b && a.c == b.c && a.side == b.side);
         }
         for (std::size_t i = 0; i < 500; ++i) QVERIFY(one.points[i].position == three.points[i].position);
+    }
+
+    void roughlyIsNearlyTheSame() // good enough for a first picture: what lies half in the open counts whole
+    {
+        for (const char* name : {"cornell", "two_rooms", "gallery"}) {
+            const test::LitScene lit(*sampleScene(name));
+            const Scene& scene = lit.rays->scene();
+            Workers workers;
+            const auto areaOf = [&](SpaceDetail detail) {
+                const auto spaces = LightSpaces::build(lit.rays, detail, workers, {});
+                std::vector<std::shared_ptr<const GroupReach>> groups;
+                for (int g = 0; g < static_cast<int>(scene.groups.size()); ++g)
+                    groups.push_back(spaces->ofGroup(scene, *lit.lights, g, workers, {}));
+                return LightReach::of(spaces->elements(), spaces->united(groups, workers, {}), {})->area();
+            };
+            const double more = areaOf(SpaceDetail::rough()) / areaOf({}) - 1.0;
+            QVERIFY2(more > 0.0 && more < 0.04, qPrintable(QString("%1: %2").arg(name).arg(more)));
+        }
     }
 };
 

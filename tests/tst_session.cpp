@@ -183,6 +183,10 @@ private Q_SLOTS:
         QVERIFY(b.snapshots[0].isRough && !b.snapshots[0].isFinal && !b.snapshots[1].isRough);
         const auto &x = a.octree()->layers()[0]->vdls, &y = b.octree()->layers()[0]->vdls;
         QVERIFY(x.size() == y.size() && std::memcmp(x.data(), y.data(), x.size() * sizeof(Vdl)) == 0);
+        const glm::vec3 floor = plain.scene->bounds.centre() - glm::vec3(0, plain.scene->bounds.size().y / 2, 0);
+        const auto lux = [&](const Snapshot& s) { return s.field->irradiance(floor, {0, 1, 0}).y; };
+        QVERIFY(lux(a.snapshots[1]) > 0.0f);
+        QVERIFY(std::abs(lux(b.snapshots[0]) / lux(a.snapshots[1]) - 1.0f) < 0.35f);
     }
 
     void photonsAreReused()

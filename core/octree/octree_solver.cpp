@@ -148,7 +148,7 @@ Result<Done> showRough(const BakeJob& job, BakeProducts& products, BakeControl& 
     rough.params.photonCount = few.photonCount;
     rough.params.gatherCount = few.gatherCount;
     if (rough.params.photonCount > job.params.photonCount / 4) return Done{}; // the bake proper is as quick
-    const Result<SceneProducts> scene = sceneProducts(job, products, control);
+    const Result<SceneProducts> scene = sceneProducts(job, products, control, ReachWanted::quick);
     if (!scene) return scene.error();
     std::size_t missing = 0;
     OctreeBake::Layers finished(job.scene->groups.size());
@@ -161,7 +161,7 @@ Result<Done> showRough(const BakeJob& job, BakeProducts& products, BakeControl& 
         rough.mix[g] = glm::vec3(0.0f); // nothing to shoot
     }
     if (missing == 0) return Done{};
-    const Result<PhotonProducts> photons = photonProducts(rough, products, control, 0.02);
+    const Result<PhotonProducts> photons = photonProducts(rough, products, control, 0.02, ReachWanted::quick);
     if (!photons) return photons.error();
     rough.mix = job.mix;
     const Result<Done> shown =

@@ -63,13 +63,14 @@ Result<Done> raysAndLights(const BakeJob& job, const std::string& surface, BakeP
     return Done{};
 }
 
-/// By element, what the scene's lamps reach: each of them is asked once, wherever others move. Empty: stopped.
+/// By element, what the scene's lamps reach: each of them is asked once, wherever others move. `detail`: in keys of
+/// spaces that are not exact. Empty: stopped.
 std::vector<std::uint8_t> reachedElements(const Scene& scene, const LightSpaces& spaces, const SceneProducts& known,
-                                          BakeProducts& products, BakeControl& control)
+                                          const std::string& detail, BakeProducts& products, BakeControl& control)
 {
     std::vector<std::shared_ptr<const GroupReach>> groups;
     for (int g = 0; g < static_cast<int>(scene.groups.size()); ++g) {
-        const std::string& key = known.lampKey(static_cast<std::size_t>(g));
+        const std::string key = known.lampKey(static_cast<std::size_t>(g)) + detail;
         auto group = products.find<GroupReach>(key);
         if (!group) {
             const StageClock clock("reach", control);
@@ -83,21 +84,25 @@ std::vector<std::uint8_t> reachedElements(const Scene& scene, const LightSpaces&
     return spaces.united(groups, control.workers(), control.stop());
 }
 
-bool findReach(const BakeJob& job, const std::string& surface, BakeProducts& products, BakeControl& control,
-               SceneProducts& result)
+bool findReach(const BakeJob& job, const std::string& surface, ReachWanted wanted, BakeProducts& products,
+               BakeControl& control, SceneProducts& result)
 {
     auto spaces = products.find<LightSpaces>(surface);
+    const bool isRough = !spaces && wanted == ReachWanted::quick;
+    const std::string detail = isRough ? "rough/" : "";
+    if (isRough) spaces = products.find<LightSpaces>(surface + detail);
     if (!spaces) {
         const StageClock clock("reach", control);
-        spaces = LightSpaces::build(result.rays, control.workers(), control.stop());
+        spaces = LightSpaces::build(result.rays, isRough ? SpaceDetail::rough() : SpaceDetail{}, control.workers(),
+                                    control.stop());
         if (!spaces) return false;
-        products.keep(surface, spaces, clock.stop());
+        products.keep(surface + detail, spaces, clock.stop());
     }
-    const std::vector<std::uint8_t> isReached = reachedElements(*job.scene, *spaces, result, products, control);
+    const std::vector<std::uint8_t> isReached = reachedElements(*job.scene, *spaces, result, detail, products, control);
     if (control.isStopped()) return false;
     Sha256 content;
     content.add(isReached);
-    result.reachKey = fmt::format("{}reach {}/", surface, toHex(content.finish()));
+    result.reachKey = fmt::format("{}{}reach {}/", surface, detail, toHex(content.finish()));
     result.reach = products.find<LightReach>(result.reachKey);
     if (result.reach) return true;
     const StageClock clock("reach", control);
@@ -109,13 +114,13 @@ bool findReach(const BakeJob& job, const std::string& surface, BakeProducts& pro
 
 } // namespace
 
-Result<SceneProducts> sceneProducts(const BakeJob& job, BakeProducts& products, BakeControl& control)
+Result<SceneProducts> sceneProducts(const BakeJob& job, BakeProducts& products, BakeControl& control, ReachWanted reach)
 {
     SceneProducts result;
     const std::string surface = surfaceKey(job, products);
     nameLamps(*job.scene, surface, result);
     if (const Result<Done> made = raysAndLights(job, surface, products, control, result); !made) return made.error();
-    if (!findReach(job, surface, products, control, result)) return cancelled();
+    if (!findReach(job, surface, reach, products, control, result)) return cancelled();
     return result;
 }
 
@@ -181,7 +186,8 @@ std::optional<PhotonProducts> keptPhotons(const BakeJob& job, const SceneProduct
     return result;
 }
 
-Result<PhotonProducts> photonProducts(const BakeJob& job, BakeProducts& products, BakeControl& control, double share)
+Result<PhotonProducts> photonProducts(const BakeJob& job, BakeProducts& products, BakeControl& control, double share,
+                                      ReachWanted reach)
 {
     PhotonProducts result;
     const int groups = static_cast<int>(job.scene->groups.size());
@@ -190,7 +196,7 @@ Result<PhotonProducts> photonProducts(const BakeJob& job, BakeProducts& products
     if (const Result<Done> fits = checkPhotonsFit(job); !fits) return fits.error();
 
     control.progress(Stage::shoot, 0.0);
-    Result<SceneProducts> scene = sceneProducts(job, products, control);
+    Result<SceneProducts> scene = sceneProducts(job, products, control, reach);
     if (!scene) return scene.error();
     result.scene = std::move(*scene);
     result.area = products.find<SurfaceArea>(result.scene.reachKey);

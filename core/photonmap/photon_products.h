@@ -13,9 +13,16 @@ struct PhotonProducts {
     std::vector<std::shared_ptr<const PhotonMap>> maps; ///< by light group; null: the lamp is off
 };
 
+/// How well it has to be known what light reaches.
+enum class ReachWanted {
+    exact,
+    quick ///< for a picture at once: roughly, unless it is known exactly from before
+};
+
 /// Ray scene, lamps and reach of the job's scene. Where an edit moved a lamp, triangles and spaces are the earlier ones
 /// and only that lamp is looked at anew.
-[[nodiscard]] Result<SceneProducts> sceneProducts(const BakeJob& job, BakeProducts& products, BakeControl& control);
+[[nodiscard]] Result<SceneProducts> sceneProducts(const BakeJob& job, BakeProducts& products, BakeControl& control,
+                                                  ReachWanted reach = ReachWanted::exact);
 
 /// Error out of memory if the job's photons would not fit into this machine, with the figure.
 [[nodiscard]] Result<Done> checkPhotonsFit(const BakeJob& job);
@@ -24,7 +31,7 @@ struct PhotonProducts {
 /// group, seed, count), whatever method asks and wherever other lamps are. Tells progress from 0 to `share` of the
 /// bake. Error out of memory is given before shooting.
 [[nodiscard]] Result<PhotonProducts> photonProducts(const BakeJob& job, BakeProducts& products, BakeControl& control,
-                                                    double share);
+                                                    double share, ReachWanted reach = ReachWanted::exact);
 
 /// What `photonProducts` left for the same job: nothing is made, nothing is counted as work. Nothing if not all is
 /// there.

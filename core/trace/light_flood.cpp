@@ -10,7 +10,7 @@
 namespace lightloom {
 namespace {
 
-constexpr std::uint32_t kWalks = 8'192, kWalksPerBlock = 512, kBounces = 8; ///< of each generation
+constexpr std::uint32_t kWalksPerBlock = 512, kBounces = 8;
 constexpr std::uint32_t kGenerations = 4; ///< a generation starts where others came to: far rooms get their walks too
 constexpr std::size_t kLooks = 16;        ///< lines of sight that an element tries
 constexpr std::size_t kNearby = 256;      ///< open points that count as nearby, along the Morton curve
@@ -26,8 +26,8 @@ bool areFacing(const OpenPoint& a, const OpenPoint& b)
 
 class Explorer {
 public:
-    Explorer(const RayScene& rays, const SideElements& elements)
-        : rays_(rays), elements_(elements), reached_(elements.count(), 0),
+    Explorer(const RayScene& rays, const SideElements& elements, std::uint32_t walks)
+        : rays_(rays), elements_(elements), walks_(walks), reached_(elements.count(), 0),
           isGlassy_(std::ranges::any_of(rays.scene().materials, mayTransmit))
     {
     }
@@ -46,7 +46,7 @@ public:
         for (std::uint32_t generation = 0; generation < kGenerations; ++generation) {
             const std::vector<OpenPoint> from = firsts_;
             const bool all =
-                collect(kWalks / kWalksPerBlock, workers, stop, [&](std::size_t block, std::vector<OpenPoint>& found) {
+                collect(walks_ / kWalksPerBlock, workers, stop, [&](std::size_t block, std::vector<OpenPoint>& found) {
                     for (std::uint64_t i = 0; i < kWalksPerBlock; ++i) {
                         walkOnce(from, generation, block * kWalksPerBlock + i, found);
                     }
@@ -69,6 +69,8 @@ public:
             const OpenPoints targets(rays_.scene().bounds,
                                      {open_.begin() + static_cast<std::ptrdiff_t>(first), open_.end()});
             first = open_.size();
+            // most of what stays dark (the outside of a room, say) faces away from all of them
+            std::erase_if(unreached, [&](std::uint32_t e) { return !elements_.mayFace(e, targets.box()); });
             constexpr std::size_t kBlock = 64;
             const bool all = collect((unreached.size() + kBlock - 1) / kBlock, workers, stop,
                                      [&](std::size_t block, std::vector<OpenPoint>& found) {
@@ -168,6 +170,7 @@ private:
 
     const RayScene& rays_;
     const SideElements& elements_;
+    std::uint32_t walks_; // of each generation
     std::vector<std::uint8_t> reached_;
     bool isGlassy_; // some material lets light through
     std::vector<OpenPoint> open_, firsts_;
@@ -184,6 +187,11 @@ OpenPoints::OpenPoints(const Bounds& bounds, const std::vector<OpenPoint>& point
 {
     std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
     order.reserve(points.size());
+    if (!points.empty()) box_ = {points[0].p, points[0].p};
+    for (const OpenPoint& point : points) {
+        box_.low = glm::min(box_.low, point.p);
+        box_.high = glm::max(box_.high, point.p);
+    }
     for (std::size_t i = 0; i < points.size(); ++i) {
         order.emplace_back(codeOf(points[i].p), static_cast<std::uint32_t>(i));
     }
@@ -231,10 +239,10 @@ bool collectPoints(std::size_t blocks, Workers& workers, const std::stop_token& 
 }
 
 std::unique_ptr<const Flooded> floodFrom(const RayScene& rays, const SideElements& elements,
-                                         const std::vector<OpenPoint>& starts, Workers& workers,
+                                         const std::vector<OpenPoint>& starts, std::uint32_t walks, Workers& workers,
                                          const std::stop_token& stop)
 {
-    Explorer explorer(rays, elements);
+    Explorer explorer(rays, elements, walks);
     for (const OpenPoint& start : starts) explorer.add(start);
     if (!starts.empty() && (!explorer.walk(workers, stop) || !explorer.lookAround(workers, stop))) return nullptr;
     return explorer.taken();

@@ -22,6 +22,7 @@ public:
 
     [[nodiscard]] std::size_t size() const { return points_.size(); }
     [[nodiscard]] const std::vector<OpenPoint>& all() const { return points_; }
+    [[nodiscard]] const Bounds& box() const { return box_; } ///< of the points
     /// One of them at random, or at random among those near `p`.
     [[nodiscard]] const OpenPoint& pick(Rng& rng) const { return points_[rng.bits() % points_.size()]; }
     [[nodiscard]] const OpenPoint& pickNear(glm::vec3 p, Rng& rng) const;
@@ -31,7 +32,7 @@ public:
 
 private:
     [[nodiscard]] std::uint64_t codeOf(glm::vec3 p) const;
-    Bounds bounds_;
+    Bounds bounds_, box_;
     std::vector<std::uint64_t> codes_;
     std::vector<OpenPoint> points_; // copies, one after another, because they are picked at random a million times
 };
@@ -53,9 +54,10 @@ struct Flooded {
 };
 
 /// Floods from `starts`. Only points pass light on, never elements: an element that is half under a block is reached,
-/// but what lies under the block sees none of its open points. Deterministic on any number of threads. Null: stopped.
+/// but what lies under the block sees none of its open points. `walks`, a multiple of 512: how many set out at a time,
+/// four times. Deterministic on any number of threads. Null: stopped.
 [[nodiscard]] std::unique_ptr<const Flooded> floodFrom(const RayScene& rays, const SideElements& elements,
-                                                       const std::vector<OpenPoint>& starts, Workers& workers,
-                                                       const std::stop_token& stop);
+                                                       const std::vector<OpenPoint>& starts, std::uint32_t walks,
+                                                       Workers& workers, const std::stop_token& stop);
 
 } // namespace lightloom

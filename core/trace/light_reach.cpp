@@ -68,7 +68,7 @@ std::shared_ptr<const LightReach> LightReach::find(const RayScene& rays, const L
     const Scene& scene = rays.scene();
     // borrowed: the spaces end with this function
     const std::shared_ptr<const RayScene> borrowed(std::shared_ptr<const RayScene>(), &rays);
-    const std::shared_ptr<const LightSpaces> spaces = LightSpaces::build(borrowed, workers, stop);
+    const std::shared_ptr<const LightSpaces> spaces = LightSpaces::build(borrowed, {}, workers, stop);
     if (!spaces) return nullptr;
     std::vector<std::shared_ptr<const GroupReach>> groups;
     for (int g = 0; g < static_cast<int>(scene.groups.size()); ++g) {

@@ -40,14 +40,17 @@ struct LightSpaces::Space {
     }
 };
 
-LightSpaces::LightSpaces(std::shared_ptr<const RayScene> rays) : rays_(std::move(rays)) {}
+LightSpaces::LightSpaces(std::shared_ptr<const RayScene> rays, SpaceDetail detail)
+    : rays_(std::move(rays)), detail_(detail)
+{
+}
 LightSpaces::~LightSpaces() = default;
 
-std::shared_ptr<const LightSpaces> LightSpaces::build(std::shared_ptr<const RayScene> rays, Workers& workers,
-                                                      const std::stop_token& stop)
+std::shared_ptr<const LightSpaces> LightSpaces::build(std::shared_ptr<const RayScene> rays, SpaceDetail detail,
+                                                      Workers& workers, const std::stop_token& stop)
 {
-    const std::shared_ptr<LightSpaces> made(new LightSpaces(std::move(rays)));
-    made->elements_ = SideElements::build(*made->rays_, workers, stop);
+    const std::shared_ptr<LightSpaces> made(new LightSpaces(std::move(rays), detail));
+    made->elements_ = SideElements::build(*made->rays_, detail.depth, workers, stop);
     if (!made->elements_ || !made->placeSeeds(workers, stop)) return nullptr;
     return made;
 }
@@ -143,7 +146,8 @@ const LightSpaces::Space* LightSpaces::flooded(int seed, Workers& workers, const
     std::unique_ptr<const Space>& kept = spaces_[seed];
     if (kept) return kept.get();
     auto made = std::make_unique<Space>();
-    made->flooded = floodFrom(*rays_, *elements_, {seeds_[static_cast<std::size_t>(seed)]}, workers, stop);
+    made->flooded =
+        floodFrom(*rays_, *elements_, {seeds_[static_cast<std::size_t>(seed)]}, detail_.walks, workers, stop);
     if (!made->flooded) return nullptr;
     made->hasSeed.resize(seeds_.size());
     for (std::size_t i = 0; i < seeds_.size(); ++i) {
@@ -216,7 +220,7 @@ bool LightSpaces::addOutside(const Scene& scene, const LightSampler& lights, int
     std::vector<OpenPoint> starts;
     const LampLight lamps(*rays_, *elements_, scene, lights, group);
     if (!lamps.findOutside(inside, workers, stop, starts)) return false;
-    const auto outside = floodFrom(*rays_, *elements_, starts, workers, stop);
+    const auto outside = floodFrom(*rays_, *elements_, starts, detail_.walks, workers, stop);
     if (!outside) return false;
     for (std::uint32_t e = 0; e < elements_->count(); ++e) {
         if (outside->isReached[e] && !inside[e]) reach.elements.push_back(e);

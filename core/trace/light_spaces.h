@@ -14,14 +14,22 @@ struct GroupReach {
     std::vector<std::uint32_t> elements; ///< outside these spaces, rising
 };
 
+/// How closely spaces are looked at.
+struct SpaceDetail {
+    int depth = 6;               ///< of the lattice that large surfaces are cut by
+    std::uint32_t walks = 8'192; ///< of light, a generation
+    /// For a first picture: in a tenth of the time; what lies half in the open counts whole.
+    static SpaceDetail rough() { return {4, 1'024}; }
+};
+
 /// The scene's surface in spaces: what is joined by light, through any number of bounces. A space is flooded from a
 /// seed, a point that the surface alone decides, so that it is the same to the bit wherever in it a lamp stands; it is
 /// flooded when the first lamp turns out to be in it. Threads that ask take turns.
 class LightSpaces {
 public:
     /// Elements and seeds: O(n log n) on all workers. Null: stopped.
-    static std::shared_ptr<const LightSpaces> build(std::shared_ptr<const RayScene> rays, Workers& workers,
-                                                    const std::stop_token& stop);
+    static std::shared_ptr<const LightSpaces> build(std::shared_ptr<const RayScene> rays, SpaceDetail detail,
+                                                    Workers& workers, const std::stop_token& stop);
     ~LightSpaces();
 
     /// What the lamps of `group` reach: the spaces that their light meets, and what else it meets where that is no
@@ -39,7 +47,7 @@ public:
 private:
     struct Lit;   // points that a group's light meets
     struct Space; // one that was flooded
-    explicit LightSpaces(std::shared_ptr<const RayScene> rays);
+    LightSpaces(std::shared_ptr<const RayScene> rays, SpaceDetail detail);
     bool placeSeeds(Workers& workers, const std::stop_token& stop);
     bool shine(const Scene& scene, const LightSampler& lights, int group, Workers& workers, const std::stop_token& stop,
                Lit& lit) const;
@@ -50,6 +58,7 @@ private:
                                   const std::stop_token& stop, GroupReach& reach) const;
 
     std::shared_ptr<const RayScene> rays_;
+    SpaceDetail detail_;
     std::unique_ptr<const SideElements> elements_;
     std::vector<OpenPoint> seeds_;                               // the most open first
     mutable std::mutex mutex_;                                   // of what was found out so far:

@@ -11,7 +11,6 @@
 namespace lightloom {
 namespace {
 
-constexpr int kLatticeDepth = 6;
 constexpr float kLargeCells = 2.0f; ///< a triangle this many cells long is cut
 constexpr float kFromEdges = 0.1f;  ///< that sampled points keep, in steps off the surface: many times the rounding
 
@@ -146,12 +145,12 @@ bool joinSides(const RayScene& rays, Workers& workers, const std::stop_token& st
 
 } // namespace
 
-std::unique_ptr<const SideElements> SideElements::build(const RayScene& rays, Workers& workers,
+std::unique_ptr<const SideElements> SideElements::build(const RayScene& rays, int depth, Workers& workers,
                                                         const std::stop_token& stop)
 {
     Surfaces surfaces(2 * rays.triangleCount());
     if (!joinSides(rays, workers, stop, surfaces)) return nullptr;
-    std::unique_ptr<SideElements> made(new SideElements(rays));
+    std::unique_ptr<SideElements> made(new SideElements(rays, depth));
     std::vector<std::uint32_t> elementOf(made->sides_.size(), 0xFFFFFFFFu); // of each surface
     for (std::uint32_t t = 0; t < rays.triangleCount(); ++t) {
         if (endsAt(t, stop)) return nullptr;
@@ -164,8 +163,8 @@ std::unique_ptr<const SideElements> SideElements::build(const RayScene& rays, Wo
     return made;
 }
 
-SideElements::SideElements(const RayScene& rays)
-    : rays_(rays), lattice_(latticeOver(rays.scene().bounds, kLatticeDepth, 0.0f)), sides_(2 * rays.triangleCount())
+SideElements::SideElements(const RayScene& rays, int depth)
+    : rays_(rays), lattice_(latticeOver(rays.scene().bounds, depth, 0.0f)), sides_(2 * rays.triangleCount())
 {
 }
 
@@ -263,6 +262,14 @@ bool SideElements::canFace(std::uint32_t element, glm::vec3 p, glm::vec3 n) cons
     if (!(glm::dot(p - corner[0], own) > 0.0f)) return false; // behind the plane it lies in
     return std::any_of(corner, corner + part.corners,
                        [&](glm::vec3 c) { return glm::dot(c - p, n) > -2.0f * rays_.offset(); });
+}
+
+bool SideElements::mayFace(std::uint32_t element, const Bounds& box) const
+{
+    if (!isPart_[element]) return true;
+    const glm::vec3 own = normalOf(members_[element][1]);
+    const glm::vec3 farthest = glm::mix(box.low, box.high, glm::greaterThan(own, glm::vec3(0.0f)));
+    return glm::dot(farthest - corners_[parts_[members_[element][0]].firstCorner], own) > 0.0f;
 }
 
 void SideElements::addJoined(std::uint32_t side, const std::function<bool(std::uint32_t)>& isReached,

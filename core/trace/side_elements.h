@@ -11,8 +11,9 @@ namespace lightloom {
 /// cells of a lattice, small ones that share an edge belong together as far as their surface goes.
 class SideElements {
 public:
-    /// O(n log n) on all workers. Null: stopped.
-    static std::unique_ptr<const SideElements> build(const RayScene& rays, Workers& workers,
+    /// `depth`: of the lattice over the scene, 2^depth cells along its longest side. O(n log n) on all workers. Null:
+    /// stopped.
+    static std::unique_ptr<const SideElements> build(const RayScene& rays, int depth, Workers& workers,
                                                      const std::stop_token& stop);
 
     [[nodiscard]] std::uint32_t count() const { return count_; }
@@ -23,6 +24,8 @@ public:
     /// Whether a point of the element, moved off its surface (`RayScene::leave`), can lie before one that faces `n` at
     /// `p` and see it before itself. Cheap; true where it is not sure, and always for elements of small triangles.
     [[nodiscard]] bool canFace(std::uint32_t element, glm::vec3 p, glm::vec3 n) const;
+    /// Whether a point within `box` can lie before the element. Cheaper still, and true where it is not sure.
+    [[nodiscard]] bool mayFace(std::uint32_t element, const Bounds& box) const;
     /// Adds the facets of the elements for which `isReached`, in rising order of sides; large triangles that are
     /// reached as a whole stay whole. `joined` gets those of the others again, cells joined to larger ones as far as
     /// all of these are reached. False: stopped.
@@ -39,7 +42,7 @@ private:
         std::uint32_t first = 0, count = 0; // parts; count 0: a small triangle, `first` is its element
     };
     [[nodiscard]] bool isLarge(const SceneTriangle& t) const;
-    explicit SideElements(const RayScene& rays);
+    SideElements(const RayScene& rays, int depth);
     [[nodiscard]] glm::vec3 normalOf(std::uint32_t side) const
     {
         return rays_.triangleNormal(side / 2) * (side % 2 ? -1.0f : 1.0f);
