@@ -60,7 +60,8 @@ void AtlasDesk::forget()
 
 void AtlasDesk::setView(const BakeView& view)
 {
-    if (!view.rays || view.reach == reach_) return;
+    // what light reaches is known roughly only with a first picture, and an atlas takes longer than that anyway
+    if (!view.rays || view.reach == reach_ || view.snapshot.isRough) return;
     if (reach_) forget(); // a lamp shines where none did
     reach_ = view.reach;
     rays_ = view.rays;

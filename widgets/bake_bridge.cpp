@@ -108,7 +108,8 @@ void BakeBridge::publish(Snapshot snapshot)
     view.params = job.params;
     if (job.scene) {
         BakeControl control(*workers_, {});
-        const Result<SceneProducts> found = sceneProducts(job, session_->products(), control);
+        const ReachWanted reach = view.snapshot.isRough ? ReachWanted::quick : ReachWanted::exact;
+        const Result<SceneProducts> found = sceneProducts(job, session_->products(), control, reach);
         if (found) {
             view.rays = found->rays;
             view.lights = found->lights;
