@@ -2,7 +2,7 @@
 // Lookup in an irradiance grid's textures (core/ivg/grid_gpu.h), on values: the caller reads the texels. Places are in
 // grid coordinates, in which vertices are where they are whole.
 
-const float kGridBehind = 0.1f; // cells before and behind a surface within which a vertex counts in part
+const float kGridBefore = 0.1f; // cells before a surface within which a vertex counts in part
 const float kGridSlack = 0.05f; // cells, for walls that are not quite parallel to an axis
 const float kGridSightUnits = 127.5f; // of sight, a cell; 255: that far or more
 
@@ -27,10 +27,11 @@ SHARED float gridSight(vec3 away, uvec3 sight)
     return gridSightAlong(away.x, sight.x) * gridSightAlong(away.y, sight.y) * gridSightAlong(away.z, sight.z);
 }
 
-// What of it counts if it lies behind the surface, whose normal in metres times cells is `side`.
+// What of it counts where it lies just before the surface, whose normal in metres times cells is `side`; behind it,
+// nothing.
 SHARED float gridSide(vec3 away, vec3 side)
 {
-    return gridFade(dot(away, side) / sqrt(dot(side, side)), kGridBehind);
+    return clamp(-dot(away, side) / (sqrt(dot(side, side)) * kGridBefore), 0.0f, 1.0f);
 }
 
 // Cubic B-spline at t of the way from vertex 0 to 1, as two reads with linear filter (Sigg and Hadwiger 2005): where

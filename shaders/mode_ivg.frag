@@ -169,9 +169,9 @@ vec3 lookupPlace(vec3 surface, vec3 n, float cellsAlong)
 }
 
 #if FILTER == 0
-// Sums up the vertices around `at` that are before the surface, unless `anySide`, and from which no wall hides it.
-// Gives their weight.
-float addCorners(vec3 at, vec3 surface, vec3 n, bool anySide)
+// Sums up the vertices around `at` that are before the surface and from which no wall hides it. Gives their
+// weight.
+float addCorners(vec3 at, vec3 surface, vec3 n)
 {
     vec3 inside = clamp(at, vec3(0.0), vec3(cells));
     ivec3 cell = min(ivec3(inside), cells - 1);
@@ -187,7 +187,7 @@ float addCorners(vec3 at, vec3 surface, vec3 n, bool anySide)
         uvec4 seen = texelFetch(sight, vertex, 0);
         if (weight <= 0.0 || seen.w == 0u) continue;
         vec3 away = surface - vec3(vertex);
-        if (!anySide) weight *= gridSide(away, side);
+        weight *= gridSide(away, side);
         weight *= gridSight(away, seen.xyz);
         if (weight <= 0.0) continue;
         known += weight;
@@ -198,9 +198,9 @@ float addCorners(vec3 at, vec3 surface, vec3 n, bool anySide)
 
 vec4 lookup(vec3 surface, vec3 n)
 {
-    // in a gap, nearer vertices may be the only ones; in a wedge, those beside the surface
-    if (addCorners(lookupPlace(surface, n, offset), surface, n, false) < kLeastKnown &&
-        addCorners(surface, surface, n, false) < kLeastKnown && addCorners(surface, surface, n, true) <= 0.0)
+    // in a gap or a corner, nearer vertices may be the only ones
+    if (addCorners(lookupPlace(surface, n, offset), surface, n) <= kLeastKnown &&
+        addCorners(surface, surface, n) <= 0.0)
         return vec4(0.0);
     return blended(surface, n);
 }

@@ -3,9 +3,11 @@
 // field's light on the surface; sides with places of their own come twice; the volume opens as plain OpenVDB with every
 // leaf active; same bytes on any number of threads; nothing is written after a stop.
 #include "core/bake/export_bake.h"
+#include "core/bake/solver_for.h"
 #include "core/bake/vdb_file.h"
 #include "core/bake/vdb_seal.h"
 #include "core/base/atomic_file.h"
+#include "core/ivg/irradiance_grid.h"
 #include "core/scene/gltf_reader.h"
 #include "core/scene/gltf_writer.h"
 #include "core/scene/sample_scenes.h"
@@ -13,6 +15,8 @@
 #include "core/trace/cell_clip.h"
 #include "tests/atlas_helpers.h"
 #include "tests/bake_helpers.h"
+#include <QProcess>
+#include <QStandardPaths>
 #include <QTemporaryDir>
 #include <map>
 #include <mutex>
@@ -35,10 +39,13 @@ BakeParams quick()
 
 /// A bake of a scene, ready for export.
 struct Exporter {
-    explicit Exporter(Scene scene, const BakeParams& params = quick())
-        : lit(std::move(scene)), bake(bakeOctree(lit.scene, params))
+    explicit Exporter(Scene scene, const BakeParams& params = quick(), Method method = Method::lightOctree)
+        : lit(std::move(scene))
     {
+        BakeProducts products;
+        bake = runSolver(*solverFor(method), {lit.scene, params, {}}, products);
         if (!bake.field) qFatal("%s", bake.error.c_str());
+        info.method = method;
         info.params = params;
         info.isa = std::string(lit.rays->isaName());
         info.sceneHash = sceneHash(*lit.scene);
@@ -313,6 +320,67 @@ private Q_SLOTS:
         QCOMPARE(file.cells("irradiance").size(), exporter.bake.octree()->geometry().cells.size());
     }
 
+    void gridVolumeHoldsWhatSurfacesGet() // named vectors of the open vertices, and which those are
+    {
+        BakeParams params = quick();
+        params.gridSize = 8;
+        const Exporter exporter(*sampleScene("two_rooms"), params, Method::irradianceGrid);
+        ExportRequest request;
+        request.volume = at("grid.vdb");
+        const auto report = exporter.run(request);
+        QVERIFY2(report, report ? "" : report.error().message.c_str());
+        const std::vector<std::uint8_t> bytes = bytesOf(request.volume);
+        const VdbFile file(std::string(bytes.begin(), bytes.end()));
+        QVERIFY(file.text("lightloom.method") == "irradiance-grid" && file.text("lightloom.unit") == "lux");
+        const auto& grid = dynamic_cast<const IrradianceGrid&>(*exporter.bake.field);
+        const GridLattice& lattice = grid.geometry().lattice;
+        const std::vector<glm::ivec3> cells = file.cells("irradiance_plus_y");
+        const auto isOpen = grid.geometry().openness.isOpen;
+        QCOMPARE(cells.size(), std::size_t(std::ranges::count(isOpen, std::uint8_t{1})));
+        const auto up = file.vectors("irradiance_plus_y", cells), shares = file.vectors("open", cells);
+        const std::array along{file.vectors("irradiance_vector_r_plus_y", cells),
+                               file.vectors("irradiance_vector_g_plus_y", cells),
+                               file.vectors("irradiance_vector_b_plus_y", cells)};
+        double sum = 0.0;
+        for (std::size_t k = 0; k < cells.size(); ++k) {
+            const IrradianceVectors& both = grid.layers()[0]->vectors[lattice.index(cells[k])];
+            const IrradianceVectors& rest = grid.layers()[1]->vectors[lattice.index(cells[k])];
+            for (int c = 0; c < 3; ++c) {
+                QCOMPARE(along[std::size_t(c)][k], both[3][c] + rest[3][c]); // 3: +y
+                QCOMPARE(up[k][c], along[std::size_t(c)][k].y);
+            }
+            QCOMPARE(shares[k], grid.geometry().openness.faceShare[lattice.index(cells[k])]);
+            sum += double(up[k].y);
+        }
+        QVERIFY(sum > 0.0);
+        std::vector<glm::ivec3> all;
+        for (std::size_t i = 0; i < lattice.vertexCount(); ++i) all.push_back(lattice.vertex(i));
+        const std::vector<float> valid = file.numbers("valid", all);
+        for (std::size_t i = 0; i < all.size(); ++i) QCOMPARE(valid[i], isOpen[i] != 0 ? 1.0f : 0.0f);
+    }
+
+    void otherProgramsOpenTheGrid()
+    {
+        const QString printer = QStandardPaths::findExecutable("vdb_print");
+        if (printer.isEmpty()) QSKIP("vdb_print (Debian: libopenvdb-tools) is not installed");
+        BakeParams params = quick();
+        params.gridSize = 6;
+        const Exporter exporter(*sampleScene("cornell"), params, Method::irradianceGrid);
+        ExportRequest request;
+        request.volume = at("seen.vdb");
+        QVERIFY(exporter.run(request));
+        QProcess process;
+        process.start(printer, {"-l", QString::fromStdString(request.volume.string())});
+        QVERIFY(process.waitForFinished() && process.exitCode() == 0);
+        const QString text = process.readAllStandardOutput();
+        QVERIFY2(text.contains("valid") && text.contains("float"), qPrintable(text));
+        for (const QString side : {"minus_x", "plus_x", "minus_y", "plus_y", "minus_z", "plus_z"}) {
+            for (const QString grid : {"irradiance_", "irradiance_vector_r_", "irradiance_vector_g_"})
+                QVERIFY2(text.contains(grid + side), qPrintable(text));
+        }
+        QVERIFY2(text.contains("vec3s"), qPrintable(text));
+    }
+
     void sameBytesOnAnyNumberOfThreads()
     {
         const Exporter exporter(*sampleScene("cornell"));
@@ -369,7 +437,7 @@ private Q_SLOTS:
         QVERIFY(refused(request, "should end in .glb"));
         request = {};
         request.volume = "A.VDB";
-        QVERIFY(checkExport(request, Method::lightOctree));
+        QVERIFY(checkExport(request, Method::lightOctree) && checkExport(request, Method::irradianceGrid));
         QVERIFY(refused(request, "photon-map", Method::photonMap));
     }
 

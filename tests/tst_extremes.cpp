@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Claims, line by line after the list of extremes: whatever the scene and parameters, results are finite and not
-// negative, energy is right, nothing hangs. Photon methods: light-octree and photon-map.
+// negative, energy is right, nothing hangs. Photon methods: light-octree, photon-map and irradiance-grid.
 #include "core/bake/packed_octree.h"
 #include "core/base/units.h"
+#include "core/ivg/ivg_solver.h"
 #include "core/photonmap/photon_map_solver.h"
 #include "core/photonmap/photon_products.h"
 #include "core/scene/analytic_scenes.h"
 #include "core/scene/sample_scenes.h"
 #include "core/scene/scene_builder.h"
 #include "tests/bake_helpers.h"
+#include "tests/light_helpers.h"
 #include <QtTest>
 #include <cmath>
 
@@ -24,6 +26,14 @@ BakeParams quick()
     params.gatherCount = 50;
     params.octreeDepth = 5;
     return params;
+}
+
+void checkLedger(const Ledger& ledger)
+{
+    for (int c = 0; c < 3; ++c) {
+        QVERIFY2(std::abs(ledger.missing()[c]) <= 1e-9 * ledger.emitted[c],
+                 qPrintable(QString::number(ledger.missing()[c])));
+    }
 }
 
 /// Every VDL and every lookup finite and not negative; the GPU form can be made.
@@ -51,11 +61,52 @@ void checkSound(const test::Baked& baked)
             for (int c = 0; c < 3; ++c) QVERIFY(std::isfinite(lux[c]) && lux[c] >= 0.0f);
         }
     }
-    const Ledger& ledger = baked.counters.ledger;
-    for (int c = 0; c < 3; ++c) {
-        QVERIFY2(std::abs(ledger.missing()[c]) <= 1e-9 * ledger.emitted[c],
-                 qPrintable(QString::number(ledger.missing()[c])));
+    checkLedger(baked.counters.ledger);
+}
+
+/// A grid of the scene whose vectors are all finite, and whose lookups, through every remap and filter, are neither
+/// negative nor infinite. Gives it back.
+test::Baked soundGrid(const std::shared_ptr<const Scene>& scene, BakeParams params, Mix mix = {})
+{
+    params.gridSize = 8;
+    IvgSolver solver;
+    BakeProducts products;
+    test::Baked baked = test::runSolver(solver, {scene, params, std::move(mix)}, products);
+    if (!baked.field) return qWarning("%s", baked.error.c_str()), baked;
+    bool isSound = true;
+    const auto& grid = dynamic_cast<const IrradianceGrid&>(*baked.field);
+    for (const auto& layer : grid.layers()) {
+        if (!layer) continue;
+        for (const IrradianceVectors& vectors : layer->vectors) {
+            for (const glm::mat3& one : vectors) {
+                for (int c = 0; c < 3; ++c) isSound = isSound && isFinite(one[c]);
+            }
+        }
+        for (const auto& each : layer->variance) {
+            for (const float v : each) isSound = isSound && std::isfinite(v) && v >= 0.0f;
+        }
     }
+    for (int remap = 0; remap < 4; ++remap) {
+        for (int filter = 0; filter < 3; ++filter) {
+            const auto shown = grid.withShow({GridRemap(remap), GridFilter(filter), 0.5f});
+            for (const test::FacePoint& p : test::facePoints(*scene, 100, 1)) {
+                const glm::vec3 lux = shown->irradiance(p.position, p.normal);
+                isSound = isSound && isFinite(lux) && glm::all(glm::greaterThanEqual(lux, glm::vec3(0.0f)));
+            }
+        }
+    }
+    if (!isSound) baked.error = "the grid is not sound";
+    checkLedger(baked.counters.ledger);
+    return baked;
+}
+
+/// Mean over the faces, lux.
+double meanLux(const test::Baked& grid, const Scene& scene)
+{
+    RunningMean mean;
+    for (const test::FacePoint& p : test::facePoints(scene, 2000, 1))
+        mean.add(double(luminance(grid.field->irradiance(p.position, p.normal))));
+    return mean.mean();
 }
 
 double meanLux(const test::Baked& baked)
@@ -95,6 +146,10 @@ private Q_SLOTS:
         QCOMPARE(baked.counters.photonsShot, std::uint64_t(0));
         QCOMPARE(baked.counters.raysTraced, std::uint64_t(0));
         QCOMPARE(meanLux(baked), 0.0);
+        const test::Baked grid = soundGrid(share(scene), quick());
+        QVERIFY2(grid.error.empty(), grid.error.c_str());
+        QCOMPARE(grid.counters.photonsShot + grid.counters.raysTraced + grid.counters.deposits, std::uint64_t(0));
+        QCOMPARE(meanLux(grid, scene), 0.0);
     }
 
     void everyLampOff()
@@ -104,6 +159,10 @@ private Q_SLOTS:
         QCOMPARE(baked.counters.photonsShot, std::uint64_t(0));
         QCOMPARE(baked.counters.groupsOff, std::uint64_t(1));
         QCOMPARE(baked.counters.gathers, std::uint64_t(0));
+        const test::Baked grid = soundGrid(share(cornellBox()), quick(), {glm::vec3(0.0f)});
+        QVERIFY2(grid.error.empty(), grid.error.c_str());
+        QCOMPARE(grid.counters.photonsShot + grid.counters.deposits, std::uint64_t(0));
+        QCOMPARE(grid.counters.groupsOff, std::uint64_t(1));
     }
 
     void fewPhotons_data()
@@ -131,6 +190,9 @@ private Q_SLOTS:
         const test::Baked map = test::runSolver(solver, {share(cavityCube(0.5f)), params, {}}, products);
         const glm::vec3 lux = map.field->irradiance({0.0f, -2.0f, 0.0f}, {0, 1, 0});
         QVERIFY(std::isfinite(lux.x) && lux.x >= 0.0f);
+        const test::Baked grid = soundGrid(share(cavityCube(0.5f)), params);
+        QVERIFY2(grid.error.empty(), grid.error.c_str());
+        QCOMPARE(grid.counters.photonsShot, static_cast<std::uint64_t>(photons));
     }
 
     void everyPhotonOnOnePoint() // a needle-thin spot onto a floor under a black roof: all second hits in one place
@@ -139,7 +201,10 @@ private Q_SLOTS:
         const int white = builder.addMaterial("white", glm::vec3(0.8f));
         builder.add("Box", boxMesh(glm::vec3(-1.0f), glm::vec3(1.0f), Facing::in), white);
         builder.addSpot("Needle", {0, 0.9f, 0}, {0, -1.0f, 0}, glm::vec3(1000.0f), 0.0f, 1e-4f);
-        checkSound(test::bakeOctree(share(builder.finish()), quick()));
+        const auto scene = share(builder.finish());
+        checkSound(test::bakeOctree(scene, quick()));
+        const test::Baked grid = soundGrid(scene, quick());
+        QVERIFY2(grid.error.empty(), grid.error.c_str());
     }
 
     void oppositeDirections() // two lamps face to face light a sheet edge on from both sides
@@ -156,6 +221,8 @@ private Q_SLOTS:
             params.vdlCount = k;
             checkSound(test::bakeOctree(scene, params));
         }
+        const test::Baked grid = soundGrid(scene, quick());
+        QVERIFY2(grid.error.empty(), grid.error.c_str());
     }
 
     void albedos_data()
@@ -177,6 +244,10 @@ private Q_SLOTS:
         // 20,000 paths of geometric length: relative sigma sqrt(rho / n), 5 sigma
         QVERIFY2(std::abs(meanLux(baked) - truth) <= truth * (0.02 + 5.0 * std::sqrt(used / 20'000.0)),
                  qPrintable(QString("%1 of %2").arg(meanLux(baked)).arg(truth)));
+        const test::Baked grid = soundGrid(scene, params);
+        QVERIFY2(grid.error.empty(), grid.error.c_str());
+        QVERIFY2(std::abs(meanLux(grid, *scene) - truth) <= truth * (0.02 + 5.0 * std::sqrt(used / 20'000.0)),
+                 qPrintable(QString("%1 of %2").arg(meanLux(grid, *scene)).arg(truth)));
     }
 
     void brokenTriangles() // without area, needles, doubled vertices and coplanar sheets
@@ -196,6 +267,8 @@ private Q_SLOTS:
         mesh.triangles.insert(mesh.triangles.end(), copy.begin(), copy.end());
         finishScene(scene, {});
         checkSound(test::bakeOctree(share(scene), quick()));
+        const test::Baked grid = soundGrid(share(scene), quick());
+        QVERIFY2(grid.error.empty(), grid.error.c_str());
     }
 
     void thinWall() // far thinner than a cell: both sides keep their own light
@@ -205,12 +278,16 @@ private Q_SLOTS:
         builder.add("Box", boxMesh(glm::vec3(-1.0f), glm::vec3(1.0f), Facing::in), white);
         builder.add("Wall", boxMesh({-0.001f, -1.0f, -1.0f}, {0.001f, 1.0f, 1.0f}, Facing::out), white);
         builder.addPoint("Lamp", {0.5f, 0, 0}, glm::vec3(100.0f));
-        const test::Baked baked = test::bakeOctree(share(builder.finish()), quick());
+        const auto scene = share(builder.finish());
+        const test::Baked baked = test::bakeOctree(scene, quick()), grid = soundGrid(scene, quick());
         checkSound(baked);
-        const glm::vec3 lit = baked.field->irradiance({0.001f, 0, 0}, {1, 0, 0});
-        const glm::vec3 dark = baked.field->irradiance({-0.001f, 0, 0}, {-1, 0, 0});
-        QVERIFY2(lit.x > 10.0f && dark.x <= 1e-3f * lit.x,
-                 qPrintable(QString("%1 | %2").arg(double(lit.x)).arg(double(dark.x))));
+        QVERIFY2(grid.error.empty(), grid.error.c_str());
+        for (const auto& field : {baked.field, grid.field}) {
+            const glm::vec3 lit = field->irradiance({0.001f, 0, 0}, {1, 0, 0});
+            const glm::vec3 dark = field->irradiance({-0.001f, 0, 0}, {-1, 0, 0});
+            QVERIFY2(lit.x > 10.0f && dark.x <= 1e-3f * lit.x,
+                     qPrintable(QString("%1 | %2").arg(double(lit.x)).arg(double(dark.x))));
+        }
     }
 
     void flatScene()
@@ -219,9 +296,12 @@ private Q_SLOTS:
         builder.add("Floor", quadMesh({-1, 0, 1}, {2, 0, 0}, {0, 0, -2}),
                     builder.addMaterial("white", glm::vec3(0.5f)));
         builder.addPoint("Lamp", {0, 1, 0}, glm::vec3(100.0f));
-        const test::Baked baked = test::bakeOctree(share(builder.finish()), quick());
+        const auto scene = share(builder.finish());
+        const test::Baked baked = test::bakeOctree(scene, quick()), grid = soundGrid(scene, quick());
         checkSound(baked);
         QCOMPARE(meanLux(baked), 0.0); // nothing to bounce to
+        QVERIFY2(grid.error.empty(), grid.error.c_str());
+        QCOMPARE(meanLux(grid, *scene), 0.0);
     }
 
     void sizes_data()
@@ -238,6 +318,11 @@ private Q_SLOTS:
         checkSound(baked);
         const double ratio = meanLux(baked) * factor * factor / small;
         QVERIFY2(std::abs(ratio - 1.0) <= 0.01, qPrintable(QString::number(ratio)));
+        const auto unit = share(cavityCube(0.5f)), other = share(scaled(cavityCube(0.5f), static_cast<float>(factor)));
+        const test::Baked grid = soundGrid(other, quick());
+        QVERIFY2(grid.error.empty(), grid.error.c_str());
+        const double grids = meanLux(grid, *other) * factor * factor / meanLux(soundGrid(unit, quick()), *unit);
+        QVERIFY2(std::abs(grids - 1.0) <= 0.01, qPrintable(QString::number(grids)));
     }
 
     void lampsOfAllStrengths() // 1e-6 and 1e9 cd side by side, in one group and in two
@@ -254,10 +339,12 @@ private Q_SLOTS:
             std::vector<std::string> names(scene.instances.size(), "");
             for (int i = 0; i < 2; ++i) names.emplace_back(joined ? "lamps" : "");
             finishScene(scene, names);
-            const test::Baked baked = test::bakeOctree(share(scene), quick());
+            const test::Baked baked = test::bakeOctree(share(scene), quick()), grid = soundGrid(share(scene), quick());
             checkSound(baked);
-            if (!joined) {
-                const auto weakOnly = baked.field->withMix({glm::vec3(0.0f), glm::vec3(1.0f)});
+            QVERIFY2(grid.error.empty(), grid.error.c_str());
+            for (const auto& field : {baked.field, grid.field}) {
+                if (joined) continue;
+                const auto weakOnly = field->withMix({glm::vec3(0.0f), glm::vec3(1.0f)});
                 const glm::vec3 lux = weakOnly->irradiance(scene.bounds.low + glm::vec3(2.0f, 0.0f, 2.0f), {0, 1, 0});
                 const double truth = 4.0 * M_PI * 1e-6 * 0.5 / (96.0 * 0.5);
                 QVERIFY2(std::abs(static_cast<double>(lux.x) / truth - 1.0) <= 0.5,
@@ -286,11 +373,15 @@ private Q_SLOTS:
         builder.add("Case", boxMesh(glm::vec3(-0.1f), glm::vec3(0.1f), Facing::out), white);
         builder.addPoint("In the case", {0, 0, 0}, glm::vec3(100.0f));
         builder.addPoint("In the wall", {1.0f, 0, 0}, glm::vec3(100.0f));
-        const test::Baked baked =
-            test::bakeOctree(share(builder.finish()), quick(), 2, {glm::vec3(1.0f), glm::vec3(0.0f)});
+        const auto scene = share(builder.finish());
+        const Mix inner{glm::vec3(1.0f), glm::vec3(0.0f)};
+        const test::Baked baked = test::bakeOctree(scene, quick(), 2, inner), grid = soundGrid(scene, quick(), inner);
         checkSound(baked);
-        const glm::vec3 floor = baked.field->irradiance({0.5f, -1.0f, 0.5f}, {0, 1, 0});
-        QCOMPARE(floor, glm::vec3(0.0f)); // a closed lamp lights nothing outside its case
+        QVERIFY2(grid.error.empty(), grid.error.c_str());
+        for (const auto& field : {baked.field, grid.field}) {
+            const glm::vec3 floor = field->irradiance({0.5f, -1.0f, 0.5f}, {0, 1, 0});
+            QCOMPARE(floor, glm::vec3(0.0f)); // a closed lamp lights nothing outside its case
+        }
         checkSound(test::bakeOctree(share(cavityCube(0.5f)), quick()));
     }
 

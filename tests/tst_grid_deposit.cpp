@@ -43,7 +43,9 @@ GridLayer deposited(const std::shared_ptr<const GridGeometry>& grid, const std::
 {
     Workers workers(threads);
     GridDeposit deposit(grid, estimator);
-    if (!deposit.add(blocks, workers, {})) qFatal("stopped");
+    std::vector<const SegmentBlock*> all;
+    for (const SegmentBlock& block : blocks) all.push_back(&block);
+    if (!deposit.add(all, workers, {})) qFatal("stopped");
     return deposit.layer(0);
 }
 

@@ -80,6 +80,7 @@ private Q_SLOTS:
         QVERIFY2(baked.error.empty(), baked.error.c_str());
         Rng rng(1, hashName("normals"), 0);
         double worst = 0.0;
+        int unanswered = 0;
         RunningMean mean;
         for (const FacePoint& point : facePoints(*scene, 3000, 1)) {
             const auto [u1, u2] = rng.uniformPair();
@@ -87,12 +88,17 @@ private Q_SLOTS:
             const glm::vec3 tilted = Frame(point.normal).toWorld(sampleCone(u1, u2, 0.17f));
             for (const glm::vec3 n : {point.normal, tilted}) {
                 glm::vec3 lux;
-                QVERIFY(baked.field->lookup(point.position, n, lux));
+                if (!baked.field->lookup(point.position, n, lux)) { // no vertex before it sees it: gathers answer
+                    QVERIFY(n != point.normal);
+                    ++unanswered;
+                    continue;
+                }
                 worst = std::max(worst, std::abs(double(lux.x) - 1.0));
                 mean.add(double(lux.x));
             }
         }
-        qInfo("mean %.4f, worst off by %.4f", mean.mean(), worst);
+        qInfo("mean %.4f, worst off by %.4f, %d tilted without an answer", mean.mean(), worst, unanswered);
+        QVERIFY2(unanswered <= 240, qPrintable(QString::number(unanswered))); // 8 % of the tilted ones
         QVERIFY2(worst <= 0.02 && std::abs(mean.mean() - 1.0) <= 0.003, qPrintable(QString("off by %1").arg(worst)));
     }
 
@@ -296,12 +302,12 @@ private Q_SLOTS:
     void midAirIsAnswered() // a plane across the furnace where there is no surface
     {
         const auto scene = share(furnaceBox(0.5f));
-        const Baked baked = bakeGrid(scene, params(6, 500'000));
+        const Baked baked = bakeGrid(scene, params(6, 2'000'000));
         for (const glm::vec3 p : {glm::vec3(0.0f), glm::vec3(0.3f, -0.2f, 0.1f), glm::vec3(-0.7f, 0.4f, 0.6f)}) {
             for (const glm::vec3 n : {glm::vec3(0, 1, 0), glm::normalize(glm::vec3(1, -2, 3))}) {
                 glm::vec3 lux;
                 QVERIFY(baked.field->lookup(p, n, lux));
-                QVERIFY(std::abs(lux.x - 1.0f) <= 0.02f);
+                QVERIFY2(std::abs(lux.x - 1.0f) <= 0.02f, qPrintable(QString::number(double(lux.x))));
             }
         }
     }

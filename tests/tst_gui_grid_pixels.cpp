@@ -72,7 +72,7 @@ bool compressedLookup(const IrradianceGrid& grid, glm::vec3 p, glm::vec3 n, glm:
     GridCorners corners;
     const glm::vec3 at = lookupPlace(lattice, p, n, grid.show().offset);
     if (grid.show().filter == GridFilter::trilinear) {
-        trilinearCorners(grid.geometry(), at, p, n, false, corners);
+        trilinearCorners(grid.geometry(), at, p, n, corners);
     } else {
         tricubicCorners(lattice, at, grid.show().filter, corners);
     }

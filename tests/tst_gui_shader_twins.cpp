@@ -153,7 +153,8 @@ const Twin kTwins[] = {
      [](dvec4 a, dvec4 b) {
          double seen = 1.0;
          for (int i = 0; i < 3; ++i) seen *= sightInDouble(a[i], bits(double(std::abs(float(b[i])) * 65535.0f)));
-         return dvec4(seen, fadeInDouble(dot(xyz(a), dvec3(0.3f, -0.4f, 1.2f)) / 1.3, 0.1), 0, 0); }, -1, 1, false, 4e-6},
+         const double before = -dot(xyz(a), dvec3(0.3f, -0.4f, 1.2f)) / 1.3;
+         return dvec4(seen, std::clamp(before / 0.1, 0.0, 1.0), 0, 0); }, -1, 1, false, 4e-6},
     {"spline reads", "gridSplineReads(a.x)",
      [](vec4 a, vec4) { return shader::gridSplineReads(a.x); },
      [](dvec4 a, dvec4) {

@@ -4,7 +4,9 @@
 #include "core/bake/gpu_layout.h"
 #include "core/base/atomic_file.h"
 #include "core/compare/field_noise.h"
+#include "core/ivg/grid_advice.h"
 #include "core/octree/light_octree.h"
+#include "core/scene/thin_walls.h"
 #include <filesystem>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -33,6 +35,57 @@ nlohmann::json textureBytes(const IndirectField& field)
             {"lights", 2 * gpu->vdls.size()},
             {"normals", gpu->normals.size()},
             {"all", gpu->memoryBytes()}};
+}
+
+/// Of an irradiance grid: cells, photons that were asked for or chosen, memory as computed before; else null.
+nlohmann::json gridReport(const Lighting& lighting)
+{
+    const auto* grid = dynamic_cast<const IrradianceGrid*>(lighting.field.get());
+    if (!grid) return nullptr;
+    const auto ofLattice = [](const GridLattice& lattice) {
+        return nlohmann::json{{"cells", {lattice.cells.x, lattice.cells.y, lattice.cells.z}},
+                              {"cell_size", vec(glm::dvec3(lattice.cellSize))}};
+    };
+    nlohmann::json json = ofLattice(grid->geometry().lattice);
+    json["photons_per_group"] = lighting.counters.photonsPerGroup;
+    json["memory_bytes_before"] = lighting.counters.keptBytes;
+    json["memory_bytes_most"] = lighting.counters.mostBytes;
+    if (grid->inside().grid) json["inside"] = ofLattice(grid->inside().grid->geometry().lattice);
+    return json;
+}
+
+void printGrid(const Lighting& lighting)
+{
+    const auto* grid = dynamic_cast<const IrradianceGrid*>(lighting.field.get());
+    if (!grid) return;
+    const auto told = [](const GridLattice& l) {
+        return fmt::format("{} x {} x {} cells of {:.3g} x {:.3g} x {:.3g} m", l.cells.x, l.cells.y, l.cells.z,
+                           l.cellSize.x, l.cellSize.y, l.cellSize.z);
+    };
+    const WorkCounters& c = lighting.counters;
+    fmt::print("  grid: {}, {} photons per light group\n", told(grid->geometry().lattice), c.photonsPerGroup);
+    if (grid->inside().grid) fmt::print("  inside it: {}\n", told(grid->inside().grid->geometry().lattice));
+    fmt::print("  memory: {:.1f} MiB, {:.1f} MiB at most while it was made, as computed before\n",
+               c.keptBytes / (1 << 20), c.mostBytes / (1 << 20));
+}
+
+/// Light passes through walls that are too thin for the grid: told, with what parts them.
+void warnOfThinWalls(const Context& context, const Lighting& lighting)
+{
+    const auto* grid = dynamic_cast<const IrradianceGrid*>(lighting.field.get());
+    if (!grid) return;
+    const ThinWallSearch walls = findThinWalls(*lighting.lit.scene);
+    const glm::vec3 size = grid->geometry().lattice.cellSize;
+    const float cell = std::max({size.x, size.y, size.z}), least = cell * leastWallCells(lighting.params.gridFilter);
+    if (!walls.thinnest || walls.thinnest->thickness >= least) return;
+    const glm::dvec3 at = lighting.lit.scene->toFile(walls.thinnest->at);
+    log(context.log, LogLevel::warning,
+        fmt::format(
+            "a wall at ({:.3g}, {:.3g}, {:.3g}) is {:.3g} m thick; grid.filter={} on cells of {:.3g} m parts light "
+            "from {:.3g} m on: some may leak through it; raise grid.size{}",
+            at.x, at.y, at.z, walls.thinnest->thickness,
+            kGridFilterNames[static_cast<std::size_t>(lighting.params.gridFilter)], cell, least,
+            lighting.params.gridFilter == GridFilter::trilinear ? "" : " or use grid.filter=trilinear"));
 }
 
 /// Everything a program may want to know; timings and host are here and not in the file.
@@ -73,6 +126,7 @@ nlohmann::json report(const Lighting& lighting, const BakeInfo& info, std::optio
               {"degenerate_entries", c.degenerateEntries},
               {"vertices", c.vertices},
               {"deposits", c.deposits}}},
+            {"grid", gridReport(lighting)},
             {"energy_lm",
              {{"emitted", vec(c.ledger.emitted)},
               {"absorbed", vec(c.ledger.absorbed)},
@@ -90,6 +144,7 @@ void print(const Lighting& lighting, std::optional<double> noise, const std::str
     if (lighting.method == Method::irradianceGrid)
         fmt::print(", {} vertices in the open, {} deposits", c.vertices, c.deposits);
     fmt::print("\n");
+    printGrid(lighting);
     for (const StageCost& s : c.stages) fmt::print("  {:<12} {:9.1f} ms {:9.1f} CPU-ms\n", s.stage, s.wallMs, s.cpuMs);
     const double emitted = glm::dot(c.ledger.emitted, glm::dvec3(1.0));
     if (emitted > 0.0) {
@@ -115,6 +170,7 @@ int bake(const Context& context, const BakeCommand& command)
     if (const Result<Done> writable = checkOutput(command.output); !writable) return failWriting(writable.error());
     const Result<Lighting> lighting = prepareLighting(context, request, 1.0);
     if (!lighting) return fail(lighting.error());
+    if (!context.quiet) warnOfThinWalls(context, *lighting);
     const BakeInfo info = bakeInfo(*lighting);
     const Result<std::vector<std::uint8_t>> bytes = bakeBytes(*lighting->field, info, *lighting->lit.scene);
     if (!bytes) return fail(bytes.error());

@@ -92,7 +92,8 @@ struct RenderCommand {
     std::string noiseMap; ///< empty: none is written
     int width = 800, height = 600;
     std::optional<int> samplesPerPixel;
-    std::optional<float> ev; ///< exposure of a .png; else the scene's, else one that suits the picture
+    std::optional<float> ev;  ///< exposure of a .png; else the scene's, else one that suits the picture
+    bool finalGather = false; ///< 256 rays (probe.rays) at each pixel's surface, the field at their ends
     CacheUse cache{};
     BakeOptions options;
 };

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/cli/commands.h"
+#include "core/ivg/grid_advice.h"
+#include "core/ivg/ivg_solver.h"
+#include "core/photonmap/photon_products.h"
 #include "core/scene/gltf_reader.h"
 #include "core/scene/scene_features.h"
 #include <fmt/format.h>
@@ -146,6 +149,43 @@ void printList(std::string_view title, const std::vector<std::string>& lines)
     for (const std::string& text : lines) fmt::print("  - {}\n", text);
 }
 
+/// What an irradiance grid of this scene wants: cells by how far walls lie apart, photons by noise.
+struct GridWish {
+    int size = 0;
+    std::uint64_t photons = 0; ///< per light group, for kWishedNoise
+    float cell = 0.0f, wallSpacing = 0.0f, thinnest = 0.0f;
+    bool isCut = false;
+};
+constexpr float kWishedNoise = 0.02f;
+
+Result<GridWish> gridWish(const Context& context, const std::shared_ptr<const Scene>& scene)
+{
+    BakeJob job{scene, {}, {}};
+    job.params.gridSize = 0;
+    job.params.gridNoise = kWishedNoise;
+    BakeProducts products;
+    BakeControl control(*context.workers, {}, context.stop);
+    const Result<SceneProducts> at = sceneProducts(job, products, control);
+    if (!at) return at.error();
+    const Result<BakeParams> settled = settledGridParams(job, *at, products, control);
+    if (!settled) return settled.error();
+    const GridAdvice advice = adviseGridSize(*at, {}, 0.0f);
+    const float cell = placeGrid(*at->rays, {settled->gridSize, glm::ivec3(0)}, 0.0f).cellSize.x;
+    return GridWish{settled->gridSize,  static_cast<std::uint64_t>(settled->photonCount), cell,
+                    advice.wallSpacing, cell * leastWallCells(GridFilter::trilinear),     advice.isCut};
+}
+
+Json asJson(const GridWish& wish)
+{
+    return {{"size", wish.size},
+            {"cellSize", wish.cell},
+            {"wallSpacing", wish.wallSpacing},
+            {"isCut", wish.isCut},
+            {"noise", kWishedNoise},
+            {"photonsPerGroup", wish.photons},
+            {"thinnestWallParted", wish.thinnest}};
+}
+
 } // namespace
 
 int info(const Context& context, const std::string& file)
@@ -153,15 +193,23 @@ int info(const Context& context, const std::string& file)
     const auto scene = readScene(file); // warnings are part of what is printed
     if (!scene) return fail(scene.error());
     const SceneFeatures features = findFeatures(**scene);
+    const Result<GridWish> grid = gridWish(context, *scene);
+    if (!grid) return fail(grid.error());
     if (context.json) {
-        fmt::print("{}\n",
-                   asJson(file, **scene, features).dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+        Json json = asJson(file, **scene, features);
+        json["grid"] = asJson(*grid);
+        fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
         return kDone;
     }
     fmt::print("{}{}\n", file, (*scene)->name.empty() ? "" : fmt::format(" - {}", (*scene)->name));
     printGeometry(**scene, features);
     printSurfaces(features);
     printLight(**scene, features);
+    line("Irradiance grid",
+         fmt::format("{} cells of {:.3g} m ({} walls {:.3g} m apart), walls from {:.2g} m parted; {} photons per light "
+                     "group for {:.0f} % noise",
+                     grid->size, grid->cell, grid->isCut ? "memory's limit;" : "for", grid->wallSpacing, grid->thinnest,
+                     grid->photons, 100.0f * kWishedNoise));
     printList("What follows", features.follows);
     printList("Read differently", (*scene)->warnings);
     return kDone;

@@ -255,6 +255,8 @@ private:
         command->add_option("--ev", r.ev, "Exposure value of a .png; the scene's own without")
             ->check(CLI::Range(-100.0f, 100.0f))
             ->option_text("EV");
+        command->add_flag("--final-gather", r.finalGather,
+                          "Gather indirect light with probe.rays rays a pixel; the bake answers where they end");
         command->add_option("--noise-map", r.noiseMap, "Where to write the noise that the bake states, in false colour")
             ->option_text("OUT.png");
         addCache(*command, r.cache);
@@ -340,7 +342,8 @@ private:
         command->add_option("--lightmap", c.lightmap, "Lux on every surface, unfolded")->option_text("OUT.exr");
         command->add_option("--gltf", c.gltf, "The scene with its lightmap; an .exr goes beside it")
             ->option_text("OUT.glb");
-        command->add_option("--volume", c.volume, "The octree's leaves as OpenVDB grids")->option_text("OUT.vdb");
+        command->add_option("--volume", c.volume, "Leaves of an octree, or vertices of a grid, as OpenVDB grids")
+            ->option_text("OUT.vdb");
         auto* size = command->add_option("--atlas-size", c.size, "Texels a side of the lightmap, 1024 without")
                          ->option_text("N");
         auto* density =

@@ -46,6 +46,7 @@ ImageNotes notesOf(const Lighting& lighting, const ViewJob& job, float ev, const
         const bool counts = (spec.methods & (1u << static_cast<unsigned>(lighting.method))) != 0;
         if (counts) notes.emplace_back(fmt::format("lightloom.{}", spec.key), paramText(lighting.params, spec));
     }
+    if (job.finalGather) notes.emplace_back("lightloom.final_gather", fmt::format("{} rays", job.gatherRays));
     if (view.causticRounds > 0) {
         notes.emplace_back("lightloom.caustics", fmt::format("small lamps in mirrors by {} photons",
                                                              view.causticRounds * CausticJob{}.photons));
@@ -106,6 +107,14 @@ Result<Done> writeNoiseMap(const Context& context, const RenderCommand& command,
     return writePng(command.noiseMap, heatmap(map, style), {{"Title", style.caption}});
 }
 
+/// There must be a field for the gather rays to end in.
+Result<Done> checkFinalGather(const RenderCommand& command)
+{
+    if (!command.finalGather || !command.bakeFile.empty() || solverFor(*methodNamed(command.method))) return Done{};
+    return Error{Error::Kind::badInput,
+                 fmt::format("--final-gather looks into a bake, and {} bakes nothing", command.method)};
+}
+
 /// A reference and direct light are baked into no field that could tell its noise.
 Result<Done> checkNoiseMap(const RenderCommand& command)
 {
@@ -138,6 +147,7 @@ int render(const Context& context, const RenderCommand& command)
     }
     if (const Result<Done> fine = checkRequest(request); !fine) return failUsage(fine.error());
     if (const Result<Done> fine = checkNoiseMap(command); !fine) return failUsage(fine.error());
+    if (const Result<Done> fine = checkFinalGather(command); !fine) return failUsage(fine.error());
     const Result<bool> isExr = isExrName(command.output);
     if (!isExr) return failUsage(isExr.error());
     if (const Result<Done> fine = checkOutputs(command); !fine) return failWriting(fine.error());
@@ -160,7 +170,8 @@ int render(const Context& context, const RenderCommand& command)
         if (!written && written.error().kind == Error::Kind::cancelled) return fail(written.error());
         if (!written) return failWriting(written.error());
     }
-    const ViewJob job = viewJob(*lighting, *camera, command.width, command.height);
+    ViewJob job = viewJob(*lighting, *camera, command.width, command.height);
+    job.finalGather = command.finalGather;
     View view = renderNow(context, command, *lighting, job);
     const std::string part = howFar(view, job);
     if (view.rays == 0 || (!view.isWhole && view.samples == 0 && job.targetError == 0.0f)) {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/bake/export_bake.h"
 #include "core/atlas/atlas_scene.h"
+#include "core/bake/grid_volume.h"
 #include "core/bake/octree_volume.h"
 #include "core/base/atomic_file.h"
+#include "core/ivg/irradiance_grid.h"
 #include "core/octree/light_octree.h"
 #include "core/params/param_text.h"
 #include "core/scene/gltf_writer.h"
@@ -123,8 +125,11 @@ Result<Done> makeVolume(const ExportSource& source, const ExportRequest& request
 {
     if (request.volume.empty()) return Done{};
     const auto* octree = dynamic_cast<const LightOctree*>(&source.field);
-    if (!octree) return Error{Error::Kind::unsupported, "the bake is no octree"};
-    Result<std::vector<std::uint8_t>> bytes = octreeVolume(*octree, source.info, source.rays.scene());
+    const auto* grid = dynamic_cast<const IrradianceGrid*>(&source.field);
+    if (!octree && !grid) return Error{Error::Kind::unsupported, "the bake is neither an octree nor a grid"};
+    const Scene& scene = source.rays.scene();
+    Result<std::vector<std::uint8_t>> bytes =
+        octree ? octreeVolume(*octree, source.info, scene) : gridVolume(*grid, source.info, scene);
     if (!bytes) return bytes.error();
     made.volume = *std::move(bytes);
     return Done{};
@@ -175,9 +180,12 @@ Result<Done> checkExport(const ExportRequest& request, Method method)
     if (request.lightmap.empty() && request.gltf.empty() && request.volume.empty()) {
         return Error{Error::Kind::badInput, "say what to export: a lightmap, a glTF scene or a volume"};
     }
-    if (!request.volume.empty() && method != Method::lightOctree) {
-        return Error{Error::Kind::badInput,
-                     fmt::format("a volume holds the leaves of a light-octree; {} has none", methodName(method))};
+    if (!request.volume.empty() && method != Method::lightOctree && method != Method::irradianceGrid) {
+        return Error{
+            Error::Kind::badInput,
+            fmt::format("a volume holds the leaves of a light-octree or the vertices of an irradiance-grid; {} "
+                        "has neither",
+                        methodName(method))};
     }
     return Done{};
 }

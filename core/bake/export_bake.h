@@ -10,7 +10,7 @@ namespace lightloom {
 struct ExportRequest {
     std::filesystem::path lightmap; ///< .exr: lux per texel, plain RGB float, parameters in the header
     std::filesystem::path gltf;     ///< .glb: the scene with the lightmap in it; the .exr beside it is written too
-    std::filesystem::path volume;   ///< .vdb: the octree's leaves as grids (octree_volume.h)
+    std::filesystem::path volume;   ///< .vdb: an octree's leaves or a grid's vertices (octree_volume.h, grid_volume.h)
     AtlasOptions atlas;
     bool withDirect = false; ///< direct light in the lightmap too; the lamps are then left out of the .glb
 };
@@ -34,7 +34,7 @@ struct ExportReport {
 };
 
 /// Wrong wishes, told before any work: nothing asked for, names of the wrong kind, one file asked for twice, a volume
-/// of a bake that is no octree.
+/// of a bake that is neither an octree nor a grid.
 [[nodiscard]] Result<Done> checkExport(const ExportRequest& request, Method method);
 
 /// Where the lightmap goes: as asked, or beside the .glb under its name. Empty: none is wanted.

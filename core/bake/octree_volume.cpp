@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/bake/octree_volume.h"
-#include "core/bake/vdb_file.h"
-#include "core/bake/vdb_seal.h"
+#include "core/bake/volume_file.h"
 #include "core/base/units.h"
 #include "core/octree/detail_union.h"
-#include "core/params/param_text.h"
 #include "core/trace/cell_clip.h"
 #include <fmt/format.h>
 
@@ -51,19 +49,6 @@ Leaves leavesOf(const LightOctree& octree, std::size_t level)
     return leaves;
 }
 
-void describe(const BakeInfo& info, VdbFile& file)
-{
-    file.set("creator", "Lightloom " + info.program);
-    file.set("lightloom.unit", std::string("lux"));
-    file.set("lightloom.method", std::string(methodName(info.method)));
-    file.set("lightloom.scene", toHex(info.sceneHash));
-    file.set("lightloom.isa", info.isa);
-    if (!info.incomplete.empty()) file.set("lightloom.incomplete", info.incomplete);
-    for (const ParamSpec& spec : kParams) {
-        file.set(fmt::format("lightloom.{}", spec.key), paramText(info.params, spec));
-    }
-}
-
 /// The grids of one level; those of deeper leaves have their depth in their names.
 void addLevel(const LightOctree& octree, std::size_t level, const Scene& scene, VdbFile& file)
 {
@@ -101,16 +86,10 @@ void addLevel(const LightOctree& octree, std::size_t level, const Scene& scene, 
 } // namespace
 
 Result<std::vector<std::uint8_t>> octreeVolume(const LightOctree& octree, const BakeInfo& info, const Scene& scene)
-try {
-    VdbFile file;
-    describe(info, file);
-    for (std::size_t level = 0; level <= octree.deeper().size(); ++level) addLevel(octree, level, scene, file);
-    const std::string bytes = withContentUuid(file.bytes());
-    return std::vector<std::uint8_t>(bytes.begin(), bytes.end());
-} catch (const std::bad_alloc&) {
-    return Error{Error::Kind::outOfMemory, "not enough memory for the volume"};
-} catch (const std::exception& failure) {
-    return Error{Error::Kind::io, fmt::format("the volume could not be made: {}", failure.what())};
+{
+    return volumeBytes(info, [&](VdbFile& file) {
+        for (std::size_t level = 0; level <= octree.deeper().size(); ++level) addLevel(octree, level, scene, file);
+    });
 }
 
 } // namespace lightloom

@@ -19,7 +19,8 @@ struct ViewJob {
                             ///< expected at this fraction of the picture's mean luminance (lamps in view left out);
                             ///< 0: use all samples
     int directSamples = 64; ///< shadow rays per surface emitter and pixel, spread over the camera rays
-    int gatherRays = 256;   ///< per pixel, the same, where the field has no answer
+    int gatherRays = 256;   ///< per pixel, the same, where the field has no answer, or everywhere:
+    bool finalGather = false; ///< gather at what the eye sees, and ask the field at the gather rays' hits alone
     int pathDepth = 1024;
     std::uint64_t seed = 1;
     bool caustics = true;   ///< by paths: photons for small lamps by way of mirrors (CausticLamps)

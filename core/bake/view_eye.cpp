@@ -74,7 +74,7 @@ Radiance Eye::leaving(const Hit& hit, const Surface& surface, glm::vec3 n, glm::
     if (wantsDirect) light.direct += matt * directIlluminance(rays_, lights_, mix_, p, n, directSamples_, rng);
     if (!field_ || job_.indirect != ViewJob::Indirect::field) return light;
     glm::vec3 lux(0.0f);
-    if (!field_->lookup(p, n, lux)) {
+    if (job_.finalGather || !field_->lookup(p, n, lux)) {
         lux = gatherIndirect(rays_, lights_, mix_, cached_, p, n, gatherRays_, 1, rng);
     }
     light.indirect += matt * lux;

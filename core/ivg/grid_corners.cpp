@@ -6,7 +6,7 @@
 namespace lightloom {
 namespace {
 
-constexpr float kBehind = 0.1f; ///< cells before and behind a surface within which a vertex counts in part
+constexpr float kBefore = 0.1f; ///< cells before a surface within which a vertex counts in part
 constexpr float kSlack = 0.05f; ///< cells, for walls that are not quite parallel to an axis
 
 /// 1 below -width, 0 above it.
@@ -45,8 +45,7 @@ glm::vec3 lookupPlace(const GridLattice& lattice, glm::vec3 p, glm::vec3 n, floa
     return lattice.toGrid(p) + inGrid * (offset / glm::length(inGrid));
 }
 
-void trilinearCorners(const GridGeometry& geometry, glm::vec3 at, glm::vec3 p, glm::vec3 n, bool anySide,
-                      GridCorners& corners)
+void trilinearCorners(const GridGeometry& geometry, glm::vec3 at, glm::vec3 p, glm::vec3 n, GridCorners& corners)
 {
     const GridLattice& lattice = geometry.lattice;
     const GridOpenness& openness = geometry.openness;
@@ -61,7 +60,7 @@ void trilinearCorners(const GridGeometry& geometry, glm::vec3 at, glm::vec3 p, g
         if (weight <= 0.0f || openness.isOpen[index] == 0) continue;
         const glm::vec3 away = surface - glm::vec3(vertex);
         // both tests fade, or light would jump where a surface that runs aslant loses one vertex after the other
-        float seen = anySide ? 1.0f : fade(glm::dot(away, side) / glm::length(side), kBehind);
+        float seen = glm::clamp(-glm::dot(away, side) / (glm::length(side) * kBefore), 0.0f, 1.0f);
         for (int axis = 0; axis < 3; ++axis) {
             const std::size_t way = static_cast<std::size_t>(2 * axis + (away[axis] > 0.0f ? 1 : 0));
             const int sight = openness.sight[index][way];

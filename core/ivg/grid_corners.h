@@ -29,10 +29,9 @@ private:
 [[nodiscard]] glm::vec3 lookupPlace(const GridLattice& lattice, glm::vec3 p, glm::vec3 n, float offset);
 
 /// Of the eight vertices around grid coordinates `at` (moved into the grid), with trilinear weights, those in the open,
-/// before the surface at `p` that faces `n` (unless `anySide`), and from which no wall hides it along any axis; both
-/// fade.
-void trilinearCorners(const GridGeometry& geometry, glm::vec3 at, glm::vec3 p, glm::vec3 n, bool anySide,
-                      GridCorners& corners);
+/// before the surface at `p` that faces `n` (unit), and from which no wall
+/// hides it along any axis; both fade.
+void trilinearCorners(const GridGeometry& geometry, glm::vec3 at, glm::vec3 p, glm::vec3 n, GridCorners& corners);
 
 /// The 64 vertices around `at`, cubic B-spline weights (never negative, they smooth) or Catmull-Rom's (they pass
 /// through the values). Beyond the border its vertices count again. Behind walls too: who looks weighs by what is open.

@@ -46,10 +46,23 @@ struct SegmentList {
     std::array<std::vector<ShortRange>, 3> crossed; ///< by axis and segment
 };
 
+std::size_t slotsPerVertex(GridEstimator estimator) { return estimator == GridEstimator::tracks ? 8 : 6; }
+
 std::array<Floats4, 3> packed(const glm::vec3& w, const glm::vec3& flux, const glm::vec3& squares)
 {
     const glm::vec3 r = w * flux.x, g = w * flux.y, b = w * flux.z;
     return {Floats4{r.x, r.y, r.z, g.x}, Floats4{g.y, g.z, b.x, b.y}, Floats4{b.z, squares.x, squares.y, squares.z}};
+}
+
+/// Resizes what is to be written anew: nothing is copied, and what is too small is freed before, not after.
+template<class Vector>
+void resizeAnew(Vector& values, std::size_t size)
+{
+    if (values.capacity() < size) {
+        values = Vector();
+        values.reserve(size + size / 16); // blocks differ
+    }
+    values.resize(size);
 }
 
 std::uint64_t bitOf(float x, float y, int parts)
@@ -71,14 +84,12 @@ glm::mat3 matrixOf(const Totals& sums, double scale)
 
 } // namespace
 
-/// Slots and totals of one estimator. Slots lie by (axis, plane, v, u, side) for faces, by (vertex, octant) for cells,
-/// so that a slab of planes is one stretch of memory.
-struct GridDeposit::Sums {
-    Sums(std::shared_ptr<const GridGeometry> at, GridEstimator how) : geometry(std::move(at)), estimator(how)
+/// Slots of one estimator, empty between calls. They lie by (axis, plane, v, u, side) for faces, by (vertex, octant)
+/// for cells, so that a slab of planes is one stretch of memory.
+struct GridDeposit::Work {
+    Work(std::shared_ptr<const GridGeometry> at, GridEstimator how) : geometry(std::move(at)), estimator(how)
     {
-        const std::size_t each = isTracks() ? 8 : 6;
-        slots.resize(each * lattice().vertexCount());
-        totals.resize(slots.size(), Totals{});
+        slots.resize(slotsPerVertex(how) * lattice().vertexCount());
         if (isTracks()) return;
         for (std::size_t i = 0; i < lattice().vertexCount(); ++i) {
             for (int axis = 0; axis < 3; ++axis) {
@@ -209,21 +220,21 @@ struct GridDeposit::Sums {
 
     void read(const SegmentBlock& block, SegmentList& list) const
     {
-        list.segments.resize(block.segments.size());
+        resizeAnew(list.segments, block.segments.size());
         std::ranges::transform(block.segments, list.segments.begin(),
                                [&](const PhotonSegment& s) { return toGrid(s); });
         for (int axis = 0; axis < (isTracks() ? 0 : 3); ++axis) {
             const PlaneRange all{0, lattice().cells[axis]};
             auto& crossed = list.crossed[static_cast<std::size_t>(axis)];
-            crossed.resize(list.segments.size());
+            resizeAnew(crossed, list.segments.size());
             std::ranges::transform(list.segments, crossed.begin(), [&](const GridSegment& s) {
                 return ShortRange(crossedPlanes(s.from[axis], s.to[axis]).within(all));
             });
         }
     }
 
-    /// Moves the sums of a stretch of slots to their totals.
-    void settle(std::size_t first, std::size_t end)
+    /// Moves the sums of a stretch of slots to totals.
+    void settle(std::size_t first, std::size_t end, std::vector<Totals>& totals)
     {
         for (std::size_t i = first; i < end; ++i) {
             for (std::size_t k = 0; k < kSummed; ++k) totals[i][k] += static_cast<double>(slots[i].sums[k]);
@@ -254,77 +265,87 @@ struct GridDeposit::Sums {
     std::shared_ptr<const GridGeometry> geometry;
     GridEstimator estimator;
     std::vector<Slot> slots;
-    std::vector<Totals> totals;
     std::vector<SegmentList> lists; // of the call's blocks
-    std::atomic<std::uint64_t> deposits = 0;
 };
 
 GridDeposit::GridDeposit(std::shared_ptr<const GridGeometry> geometry, GridEstimator estimator)
-    : sums_(std::make_unique<Sums>(std::move(geometry), estimator))
+    : GridDeposit(std::make_shared<Work>(std::move(geometry), estimator))
 {
 }
+GridDeposit::GridDeposit(std::shared_ptr<Work> work) : work_(std::move(work)), totals_(work_->slots.size(), Totals{}) {}
 GridDeposit::~GridDeposit() = default;
 
-bool GridDeposit::add(std::span<const SegmentBlock> blocks, Workers& workers, const std::stop_token& stop)
+std::unique_ptr<GridDeposit> GridDeposit::another() const
 {
-    Sums& sums = *sums_;
-    sums.lists.resize(blocks.size());
-    const bool isRead = workers.run(blocks.size(), stop, [&](std::size_t b) { sums.read(blocks[b], sums.lists[b]); });
+    return std::unique_ptr<GridDeposit>(new GridDeposit(work_));
+}
+
+bool GridDeposit::add(std::span<const SegmentBlock* const> blocks, Workers& workers, const std::stop_token& stop)
+{
+    Work& work = *work_;
+    work.lists.resize(std::max(work.lists.size(), blocks.size()));
+    const bool isRead = workers.run(blocks.size(), stop, [&](std::size_t b) { work.read(*blocks[b], work.lists[b]); });
     if (!isRead) return false;
-    const auto slabs = sums.slabs();
+    const auto slabs = work.slabs();
+    std::atomic<std::uint64_t> deposits = 0;
     const bool isSummed = workers.run(slabs.size(), stop, [&](std::size_t task) {
         std::uint64_t count = 0;
-        for (const SegmentList& list : sums.lists) {
+        for (std::size_t b = 0; b < blocks.size(); ++b) {
             if (stop.stop_requested()) return;
-            count += sums.isTracks() ? sums.pass(list, slabs[task]) : sums.cross(list, slabs[task]);
+            const SegmentList& list = work.lists[b];
+            count += work.isTracks() ? work.pass(list, slabs[task]) : work.cross(list, slabs[task]);
         }
-        sums.deposits += count;
+        deposits += count;
     });
+    deposits_ += deposits;
     if (!isSummed || stop.stop_requested()) return false;
     constexpr std::size_t kStretch = 4096;
-    const std::size_t stretches = (sums.slots.size() + kStretch - 1) / kStretch;
+    const std::size_t stretches = (work.slots.size() + kStretch - 1) / kStretch;
     return workers.run(stretches, stop, [&](std::size_t s) {
-        sums.settle(s * kStretch, std::min(sums.slots.size(), (s + 1) * kStretch));
+        work.settle(s * kStretch, std::min(work.slots.size(), (s + 1) * kStretch), totals_);
     });
 }
 
-std::uint64_t GridDeposit::deposits() const { return sums_->deposits; }
+std::uint64_t GridDeposit::deposits() const { return deposits_; }
 
-GridLayer GridDeposit::layer(int group) const
+GridLayer GridDeposit::layer(int group, double scale) const
 {
-    const Sums& sums = *sums_;
-    const GridLattice& lattice = sums.lattice();
+    const Work& work = *work_;
+    const GridLattice& lattice = work.lattice();
     GridLayer layer{group, {}, {}};
     layer.vectors.resize(lattice.vertexCount(), IrradianceVectors{});
     layer.variance.resize(lattice.vertexCount(), {});
     for (std::size_t i = 0; i < lattice.vertexCount(); ++i) {
         for (std::size_t d = 0; d < 6; ++d) {
             const int axis = static_cast<int>(d / 2), side = static_cast<int>(d % 2);
-            const double open = sums.isTracks() ? sums.openVolume(i) : sums.openArea(i, axis);
+            const double open = work.isTracks() ? work.openVolume(i) : work.openArea(i, axis);
             if (open <= 0.0) continue;
             Totals total{};
             double square = 0.0;
-            if (sums.isTracks()) {
+            if (work.isTracks()) {
                 for (std::size_t octant = 0; octant < 8; ++octant) {
                     if (static_cast<int>(octant >> axis & 1) != side) continue;
-                    const Totals& part = sums.totals[8 * i + octant];
+                    const Totals& part = totals_[8 * i + octant];
                     for (std::size_t k = 0; k < kSquares; ++k) total[k] += part[k];
                     square += part[kSquares + std::size_t(axis)];
                 }
             } else {
-                total = sums.totals[sums.faceIndex(axis, lattice.vertex(i), side)];
+                total = totals_[work.faceIndex(axis, lattice.vertex(i), side)];
                 square = total[kSquares];
             }
-            layer.vectors[i][d] = matrixOf(total, 1.0 / open);
-            layer.variance[i][d] = static_cast<float>(square / (open * open));
+            layer.vectors[i][d] = matrixOf(total, scale / open);
+            layer.variance[i][d] = static_cast<float>(square * (scale / open) * (scale / open));
         }
     }
     return layer;
 }
 
-double GridDeposit::bytesFor(const GridLattice& lattice)
+double GridDeposit::bytesFor(const GridLattice& lattice, GridEstimator estimator, int groups)
 {
-    return static_cast<double>(lattice.vertexCount()) * 8.0 * static_cast<double>(sizeof(Slot) + sizeof(Totals));
+    return static_cast<double>(lattice.vertexCount() * slotsPerVertex(estimator)) *
+           static_cast<double>(sizeof(Slot) + static_cast<std::size_t>(groups) * sizeof(Totals));
 }
+
+double GridDeposit::bytesPerSegment() { return sizeof(GridSegment) + 3 * sizeof(ShortRange); }
 
 } // namespace lightloom

@@ -23,19 +23,27 @@ public:
     GridDeposit& operator=(const GridDeposit&) = delete;
     ~GridDeposit();
 
+    /// Empty totals of another light group. Both work in the same memory: not at the same time.
+    [[nodiscard]] std::unique_ptr<GridDeposit> another() const;
+
     /// Adds all segments. The same segments in the same calls give the same bits. False: stopped, do not use further.
-    bool add(std::span<const SegmentBlock> blocks, Workers& workers, const std::stop_token& stop);
+    bool add(std::span<const SegmentBlock* const> blocks, Workers& workers, const std::stop_token& stop);
     [[nodiscard]] std::uint64_t deposits() const; ///< faces crossed or cells passed so far, outside of walls
 
-    /// What was added so far, as light of a group.
-    [[nodiscard]] GridLayer layer(int group) const;
+    /// What was added so far, times `scale`, as light of a group.
+    [[nodiscard]] GridLayer layer(int group, double scale = 1.0) const;
 
-    /// Bytes that the sums for one light group take while it is baked.
-    [[nodiscard]] static double bytesFor(const GridLattice& lattice);
+    /// Bytes that sums take while light groups are baked together, beside lists of a call's segments.
+    [[nodiscard]] static double bytesFor(const GridLattice& lattice, GridEstimator estimator, int groups);
+    /// Bytes of a call's lists, per segment.
+    [[nodiscard]] static double bytesPerSegment();
 
 private:
-    struct Sums;
-    std::unique_ptr<Sums> sums_;
+    struct Work;
+    explicit GridDeposit(std::shared_ptr<Work> work);
+    std::shared_ptr<Work> work_;
+    std::vector<std::array<double, 12>> totals_; ///< by slot
+    std::uint64_t deposits_ = 0;
 };
 
 } // namespace lightloom

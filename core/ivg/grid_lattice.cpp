@@ -6,8 +6,7 @@
 namespace lightloom {
 namespace {
 
-constexpr float kClearance = 0.02f; ///< of a cell, between walls and grid planes
-constexpr float kFlat = 1e-3f;      ///< of a cell: triangles that extend less along an axis are walls across it
+constexpr float kFlat = 1e-3f; ///< of a cell: triangles that extend less along an axis are walls across it
 constexpr int kLeastCells = 2;
 constexpr float kMargin = 1e-3f; ///< of the bound: what rounding may take from the cell to spare
 
@@ -65,7 +64,7 @@ GridLattice placeGrid(const RayScene& rays, const GridSize& size, float shift)
         const float cell = asked > 0 && side > 0.0f ? cellOf(side, asked) : cellOf(longest, size.longest);
         const auto needed = static_cast<int>(std::ceil(side * (1.0f + 0.5f * kMargin) / cell)) + 1;
         const float place =
-            freePlace(fraction(0.5f - shift), wallFractions(rays, axis, bounds.low[axis], cell), kClearance);
+            freePlace(fraction(0.5f - shift), wallFractions(rays, axis, bounds.low[axis], cell), kWallClearance);
         lattice.cellSize[axis] = cell;
         lattice.cells[axis] = std::max(asked, needed);
         lattice.lowest[axis] = bounds.low[axis] - (1.0f - place) * cell;

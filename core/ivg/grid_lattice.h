@@ -47,6 +47,8 @@ struct GridSize {
 /// Light arrives at such a surface and leaves it on one plane: a grid plane there would be a matter of rounding.
 [[nodiscard]] std::vector<float> wallFractions(const RayScene& rays, int axis, float low, float cellSize);
 
+inline constexpr float kWallClearance = 0.02f; ///< of a cell, between walls and grid planes
+
 /// The place nearest to `wanted` on a ring of length 1 that is at least `clearance` from all of `taken` (sorted, each
 /// in [0, 1)); where there is none, the middle of the widest gap.
 [[nodiscard]] float freePlace(float wanted, const std::vector<float>& taken, float clearance);

@@ -20,10 +20,8 @@ struct GridLayer {
     int group = 0;
     std::vector<IrradianceVectors> vectors;     ///< by vertex; zero where nothing is open
     std::vector<std::array<float, 6>> variance; ///< by vertex: of the luminance of I_delta . delta, lux^2
-    [[nodiscard]] std::size_t memoryBytes() const
-    {
-        return vectors.size() * (sizeof(IrradianceVectors) + sizeof(std::array<float, 6>));
-    }
+    static constexpr std::size_t kBytesPerVertex = sizeof(IrradianceVectors) + sizeof(std::array<float, 6>);
+    [[nodiscard]] std::size_t memoryBytes() const { return vectors.size() * kBytesPerVertex; }
 };
 
 } // namespace lightloom

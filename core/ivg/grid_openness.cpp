@@ -260,12 +260,6 @@ GridOpenness GridOpenness::everything(const GridLattice& lattice)
     return all;
 }
 
-std::size_t GridOpenness::memoryBytes() const
-{
-    return isOpen.size() * (sizeof(std::uint8_t) + sizeof(glm::vec3) + sizeof(float) + sizeof(faceParts[0]) +
-                            sizeof(std::uint64_t) + sizeof(sight[0]));
-}
-
 std::shared_ptr<const GridOpenness> findOpenness(const RayScene& rays, const LightReach& reach,
                                                  const GridLattice& lattice, Workers& workers,
                                                  const std::stop_token& stop)

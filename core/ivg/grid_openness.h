@@ -30,7 +30,10 @@ struct GridOpenness {
 
     /// As if there was nothing in the grid.
     [[nodiscard]] static GridOpenness everything(const GridLattice& lattice);
-    [[nodiscard]] std::size_t memoryBytes() const;
+    static constexpr std::size_t kBytesPerVertex = sizeof(std::uint8_t) + sizeof(glm::vec3) + sizeof(float) +
+                                                   sizeof(std::array<std::uint64_t, 3>) + sizeof(std::uint64_t) +
+                                                   sizeof(std::array<std::uint8_t, 6>);
+    [[nodiscard]] std::size_t memoryBytes() const { return isOpen.size() * kBytesPerVertex; }
 };
 
 /// A vertex lies behind a wall if 4 of 14 rays from it meet sides of surface that light cannot reach, or as many as

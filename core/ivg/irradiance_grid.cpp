@@ -44,24 +44,32 @@ void IrradianceGrid::weigh()
     }
 }
 
+IrradianceVectors IrradianceGrid::mixedVectors(std::size_t vertex) const
+{
+    IrradianceVectors mixed{};
+    for (std::size_t g = 0; g < layers_.size(); ++g) {
+        const glm::vec3 gain = gainOf(mix_, static_cast<int>(g));
+        if (!layers_[g] || gain == glm::vec3(0.0f)) continue;
+        for (std::size_t d = 0; d < 6; ++d) {
+            const glm::mat3& one = layers_[g]->vectors[vertex][d];
+            for (int channel = 0; channel < 3; ++channel) mixed[d][channel] += gain[channel] * one[channel];
+        }
+    }
+    return mixed;
+}
+
 void IrradianceGrid::mixLayers()
 {
     const std::size_t count = geometry_->lattice.vertexCount(), size = remapSize(show_.remap);
     kept_.resize(count * size);
     variance_.assign(count, {});
-    for (std::size_t i = 0; i < count; ++i) {
-        IrradianceVectors mixed{};
-        for (std::size_t g = 0; g < layers_.size(); ++g) {
-            const glm::vec3 gain = gainOf(mix_, static_cast<int>(g));
-            if (!layers_[g] || gain == glm::vec3(0.0f)) continue;
-            for (std::size_t d = 0; d < 6; ++d) {
-                const glm::mat3& one = layers_[g]->vectors[i][d];
-                for (int channel = 0; channel < 3; ++channel) mixed[d][channel] += gain[channel] * one[channel];
-                const float light = luminance(gain); // as good as a tint lets it be
-                variance_[i][d] += light * light * layers_[g]->variance[i][d];
-            }
+    for (std::size_t i = 0; i < count; ++i) keepForRemap(show_.remap, mixedVectors(i), {kept_.data() + i * size, size});
+    for (std::size_t g = 0; g < layers_.size(); ++g) {
+        const float light = luminance(gainOf(mix_, static_cast<int>(g))); // as good as a tint lets it be
+        if (!layers_[g] || light == 0.0f) continue;
+        for (std::size_t i = 0; i < count; ++i) {
+            for (std::size_t d = 0; d < 6; ++d) variance_[i][d] += light * light * layers_[g]->variance[i][d];
         }
-        keepForRemap(show_.remap, mixed, {kept_.data() + i * size, size});
     }
 }
 
@@ -174,20 +182,19 @@ bool IrradianceGrid::find(glm::vec3 p, glm::vec3 n, GridCorners& corners) const
         return true;
     }
     struct Try {
-        float offset;
-        bool anySide;
+        float offset, leastKnown;
     };
-    // in a gap, nearer vertices may be the only ones; in a wedge, those beside the surface
-    for (const auto [offset, anySide] : {Try{show_.offset, false}, Try{0.0f, false}, Try{0.0f, true}}) {
+    // in a gap or a corner, nearer vertices may be the only ones
+    for (const auto [offset, leastKnown] : {Try{show_.offset, kLeastKnown}, Try{0.0f, 0.0f}}) {
         corners.clear();
-        trilinearCorners(*geometry_, lookupPlace(lattice, p, n, offset), p, n, anySide, corners);
+        trilinearCorners(*geometry_, lookupPlace(lattice, p, n, offset), p, n, corners);
         float known = 0.0f;
         for (const GridCorner& c : corners) {
             float most = 0.0f;
             for (std::size_t part = 0; part < parts(); ++part) most = std::max(most, trust(c.vertex, part));
             known += most > 0.0f ? c.weight : 0.0f;
         }
-        if (anySide ? known > 0.0f : known >= kLeastKnown) return true;
+        if (known > leastKnown) return true;
     }
     return false;
 }
@@ -228,14 +235,14 @@ bool IrradianceGrid::blend(const GridCorners& corners, glm::vec3 p, glm::vec3 n,
     return true;
 }
 
-bool IrradianceGrid::lookup(glm::vec3 p, glm::vec3 n, glm::vec3& lux) const
+bool IrradianceGrid::ownLookup(glm::vec3 p, glm::vec3 n, glm::vec3& lux) const
 {
     lux = glm::vec3(0.0f);
     GridCorners corners;
     return find(p, n, corners) && blend(corners, p, n, lux);
 }
 
-std::optional<float> IrradianceGrid::noise(glm::vec3 p, glm::vec3 n) const
+std::optional<float> IrradianceGrid::ownNoise(glm::vec3 p, glm::vec3 n) const
 {
     GridCorners corners;
     if (!find(p, n, corners)) return {};
@@ -254,22 +261,74 @@ std::optional<float> IrradianceGrid::noise(glm::vec3 p, glm::vec3 n) const
     return std::sqrt(variance);
 }
 
+float GridInside::weight(glm::vec3 p) const
+{
+    if (!grid) return 0.0f;
+    const glm::vec3 depth = glm::min(p - box.low, box.high - p);
+    return glm::smoothstep(0.0f, fade, std::min({depth.x, depth.y, depth.z}));
+}
+
+bool IrradianceGrid::lookup(glm::vec3 p, glm::vec3 n, glm::vec3& lux) const
+{
+    const float part = inside_.weight(p);
+    glm::vec3 fine(0.0f);
+    const bool isFine = part > 0.0f && inside_.grid->lookup(p, n, fine);
+    if (isFine && part >= 1.0f) {
+        lux = fine;
+        return true;
+    }
+    const bool isCoarse = ownLookup(p, n, lux);
+    if (isFine) lux = isCoarse ? glm::mix(lux, fine, part) : fine;
+    return isFine || isCoarse;
+}
+
+std::optional<float> IrradianceGrid::noise(glm::vec3 p, glm::vec3 n) const
+{
+    const float part = inside_.weight(p);
+    const std::optional<float> coarse = ownNoise(p, n);
+    const std::optional<float> fine = part > 0.0f ? inside_.grid->noise(p, n) : std::nullopt;
+    if (!fine || !coarse) return fine ? fine : coarse;
+    return glm::mix(*coarse, *fine, part); // of the same photons: they err together
+}
+
 std::shared_ptr<const IndirectField> IrradianceGrid::withMix(Mix mix) const
 {
-    return std::make_shared<IrradianceGrid>(geometry_, layers_, estimator_, std::move(mix), show_);
+    const auto mixed = std::make_shared<IrradianceGrid>(geometry_, layers_, estimator_, mix, show_);
+    mixed->inside_ = inside_;
+    if (inside_.grid) {
+        mixed->inside_.grid =
+            std::make_shared<IrradianceGrid>(inside_.grid->geometry_, inside_.grid->layers_, estimator_, mix, show_);
+    }
+    return mixed;
 }
 
 std::shared_ptr<const IrradianceGrid> IrradianceGrid::withShow(GridShow show) const
 {
-    return std::make_shared<IrradianceGrid>(geometry_, layers_, estimator_, mix_, show);
+    const auto shown = std::make_shared<IrradianceGrid>(geometry_, layers_, estimator_, mix_, show);
+    shown->inside_ = inside_;
+    if (inside_.grid) shown->inside_.grid = inside_.grid->withShow(show);
+    return shown;
+}
+
+std::shared_ptr<const IrradianceGrid> IrradianceGrid::withInside(GridInside inside) const
+{
+    const auto nested = std::make_shared<IrradianceGrid>(*this);
+    nested->inside_ = std::move(inside);
+    return nested;
 }
 
 std::size_t IrradianceGrid::memoryBytes() const
 {
-    std::size_t sum = geometry_->memoryBytes() + kept_.size() * sizeof(glm::vec3) + trust_.size() * sizeof(float) +
-                      variance_.size() * sizeof(variance_[0]) + slopes_.size() * sizeof(slopes_[0]);
+    std::size_t sum = geometry_->memoryBytes() + geometry_->lattice.vertexCount() * bytesPerVertex(show_.remap);
     for (const auto& layer : layers_) sum += layer ? layer->memoryBytes() : 0;
-    return sum;
+    return sum + (inside_.grid ? inside_.grid->memoryBytes() : 0);
+}
+
+std::size_t IrradianceGrid::bytesPerVertex(GridRemap remap)
+{
+    const bool isSloped = remap == GridRemap::joined || remap == GridRemap::flux;
+    return remapSize(remap) * sizeof(glm::vec3) + remapParts(remap).size() * sizeof(float) +
+           sizeof(std::array<float, 6>) + (isSloped ? sizeof(std::array<glm::vec3, 6>) : 0);
 }
 
 } // namespace lightloom

@@ -101,11 +101,6 @@ glm::vec3 componentOf(const IrradianceVectors& vectors, std::size_t direction, i
     return {v[0][component], v[1][component], v[2][component]};
 }
 
-glm::vec3 alongAxis(const IrradianceVectors& vectors, std::size_t direction)
-{
-    return componentOf(vectors, direction, static_cast<int>(direction / 2)) * (direction % 2 == 0 ? -1.0f : 1.0f);
-}
-
 glm::vec3 fitted(std::size_t term, const IrradianceVectors& vectors)
 {
     static const Fit fit = makeFit();
@@ -125,6 +120,11 @@ glm::vec3 betweenAxes(std::span<const glm::vec3> terms, const glm::vec3& n)
 }
 
 } // namespace
+
+glm::vec3 alongAxis(const IrradianceVectors& vectors, std::size_t d)
+{
+    return componentOf(vectors, d, static_cast<int>(d / 2)) * (d % 2 == 0 ? -1.0f : 1.0f);
+}
 
 std::span<const RemapPart> remapParts(GridRemap remap)
 {

@@ -17,6 +17,9 @@ using IrradianceVectors = std::array<glm::mat3, 6>;
     return static_cast<std::size_t>(2 * axis + (n[axis] < 0.0f ? 0 : 1));
 }
 
+/// I_delta . delta, lux per channel: the irradiance of a surface that faces direction `d`.
+[[nodiscard]] glm::vec3 alongAxis(const IrradianceVectors& vectors, std::size_t d);
+
 /// Numbers kept per vertex and channel for a remap.
 [[nodiscard]] constexpr std::size_t remapSize(GridRemap remap)
 {

@@ -1,43 +1,133 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/ivg/ivg_solver.h"
-#include "core/base/memory_use.h"
+#include "core/ivg/grid_advice.h"
+#include "core/ivg/grid_batches.h"
 #include "core/ivg/grid_deposit.h"
+#include "core/ivg/grid_nest.h"
+#include "core/ivg/grid_paths.h"
 #include "core/params/param_text.h"
 #include "core/photonmap/photon_products.h"
 #include <algorithm>
+#include <bit>
 #include <fmt/format.h>
 
 namespace lightloom {
 namespace {
 
-/// Blocks of photons that are traced, then summed. Part of the result's definition: sums of a batch are in float.
-constexpr std::uint64_t kBatch = 128;
-constexpr double kPlaceShare = 0.05; ///< of a bake's time that the grid itself takes
+constexpr double kPlaceShare = 0.05;             ///< of a bake's time that the grid itself takes
+constexpr double kNestShare = 0.4;               ///< of a bake's time that a finer grid inside takes
+constexpr std::uint64_t kPilotPhotons = 1 << 17; ///< for a look at the noise
+constexpr std::uint64_t kNoisePoints = 1000;
+constexpr int kOuterLevel = 32; ///< of snapshots: above those of photons that are not all, by their logarithm
+
+using Geometry = std::shared_ptr<const GridGeometry>;
+using Layers = std::vector<std::shared_ptr<const GridLayer>>;
 
 /// What a light group's layer was made from.
 struct GridShot {
     PhotonPaths counts; ///< without photons
     std::uint64_t stored = 0, deposits = 0;
+
+    void add(const SegmentBlock& block)
+    {
+        counts.shot += block.counts.shot;
+        counts.rays += block.counts.rays;
+        counts.caustic += block.counts.caustic;
+        counts.cutOff += block.counts.cutOff;
+        counts.ledger += block.counts.ledger;
+        stored += block.stored;
+    }
+};
+
+std::string latticeText(const GridLattice& l)
+{
+    return fmt::format("lattice {} {} {} / {} {} {} / {} {} {}\n", l.lowest.x, l.lowest.y, l.lowest.z, l.cellSize.x,
+                       l.cellSize.y, l.cellSize.z, l.cells.x, l.cells.y, l.cells.z);
+}
+
+/// One light group on its way into a grid.
+class GroupBake {
+public:
+    GroupBake(std::string key, std::unique_ptr<GridDeposit> deposit, std::unique_ptr<PathFeed> feed,
+              std::uint64_t photons, int group)
+        : key_(std::move(key)), deposit_(std::move(deposit)), feed_(std::move(feed)), photons_(photons),
+          shot_(std::make_shared<GridShot>())
+    {
+        shot_->counts.group = group;
+    }
+    [[nodiscard]] const std::string& key() const { return key_; }
+    [[nodiscard]] const GridDeposit& deposit() const { return *deposit_; }
+    [[nodiscard]] const PathFeed& feed() const { return *feed_; }
+
+    /// False: stopped.
+    bool advance(std::uint64_t first, std::uint64_t end, BakeControl& control)
+    {
+        const auto blocks = feed_->blocks(first, end, control, shooting_);
+        if (blocks.size() != end - first) return false;
+        const StageClock clock("deposit", control);
+        const bool all = deposit_->add(blocks, control.workers(), control.stop());
+        const StageCost spent = clock.stop();
+        depositing_.wallMs += spent.wallMs, depositing_.cpuMs += spent.cpuMs;
+        for (const SegmentBlock* block : blocks) shot_->add(*block);
+        return all;
+    }
+    /// The light of the photons so far.
+    [[nodiscard]] std::shared_ptr<const GridLayer> layer() const
+    {
+        const double scale =
+            shot_->counts.shot == 0 ? 1.0 : static_cast<double>(photons_) / static_cast<double>(shot_->counts.shot);
+        return std::make_shared<const GridLayer>(deposit_->layer(shot_->counts.group, scale));
+    }
+    /// Hands the finished layer to `products`.
+    std::shared_ptr<const GridLayer> finish(BakeProducts& products, BakeControl& control)
+    {
+        shot_->deposits = deposit_->deposits();
+        products.keep<GridShot>(key_, shot_, shooting_);
+        const StageClock clock("deposit", control);
+        auto made = layer();
+        const StageCost spent = clock.stop();
+        depositing_.wallMs += spent.wallMs, depositing_.cpuMs += spent.cpuMs;
+        products.keep<GridLayer>(key_, made, depositing_);
+        return made;
+    }
+    [[nodiscard]] const GridShot& shot() const { return *shot_; }
+
+private:
+    std::string key_;
+    std::unique_ptr<GridDeposit> deposit_;
+    std::unique_ptr<PathFeed> feed_;
+    std::uint64_t photons_;
+    std::shared_ptr<GridShot> shot_;
+    StageCost shooting_{"shoot"}, depositing_{"deposit"};
+};
+
+/// Indirect segments per photon, over light groups.
+struct SegmentCounts {
+    double mean = 0.0, most = 0.0;
 };
 
 class GridBake {
 public:
-    GridBake(const BakeJob& job, const SceneProducts& scene, BakeProducts& products, BakeControl& control)
-        : job_(job), scene_(scene), products_(products), control_(control)
+    /// `params` settled.
+    GridBake(const BakeJob& job, BakeParams params, const SceneProducts& scene, SegmentCounts segments,
+             BakeProducts& products, BakeControl& control)
+        : job_(job), params_(std::move(params)), scene_(scene), segments_(segments), products_(products),
+          control_(control)
     {
+        for (int g = 0; g < groups(); ++g) on_ += isOff(job.mix, g) ? 0 : 1;
     }
 
-    [[nodiscard]] Result<std::shared_ptr<const GridGeometry>> geometry()
+    [[nodiscard]] Result<Geometry> outerGeometry()
     {
-        const BakeParams& p = job_.params;
-        const std::string key = fmt::format("{}grid {} {} {} {} shift{}", scene_.reachKey, p.gridSize, p.gridSizeX,
-                                            p.gridSizeY, p.gridSizeZ, p.gridShift);
+        return geometry(placeGrid(*scene_.rays,
+                                  {params_.gridSize, {params_.gridSizeX, params_.gridSizeY, params_.gridSizeZ}},
+                                  params_.gridShift));
+    }
+    [[nodiscard]] Result<Geometry> geometry(const GridLattice& lattice)
+    {
+        const std::string key = scene_.reachKey + latticeText(lattice);
         if (auto kept = products_.find<GridGeometry>(key)) return kept;
         const StageClock clock("grid", control_);
-        const GridLattice lattice =
-            placeGrid(*scene_.rays, {p.gridSize, {p.gridSizeX, p.gridSizeY, p.gridSizeZ}}, p.gridShift);
-        if (const Result<Done> fits = checkGridFits(lattice, static_cast<int>(job_.scene->groups.size())); !fits)
-            return fits.error();
         const auto openness = findOpenness(*scene_.rays, *scene_.reach, lattice, control_.workers(), control_.stop());
         if (!openness) return cancelled();
         const auto made = std::make_shared<const GridGeometry>(GridGeometry{lattice, *openness});
@@ -45,82 +135,122 @@ public:
         return made;
     }
 
-    /// Null: stopped. Tells progress from `before` on, for `share` of the bake.
-    [[nodiscard]] std::shared_ptr<const GridLayer> layer(const std::shared_ptr<const GridGeometry>& geometry, int group,
-                                                         double before, double share)
+    /// Layers of all lamps that are on; of lamps that are kept, those. Empty: stopped. Tells progress from `before` on,
+    /// for `share` of the bake. `isOuter`: counts the work's photons, and publishes what there is meanwhile.
+    [[nodiscard]] Layers layers(const Geometry& geometry, double before, double share, bool isOuter)
     {
-        const std::string key = scene_.layerKey(static_cast<std::size_t>(group)) +
-                                stageKey(job_.params, Stage::fit, Method::irradianceGrid);
-        const auto shot = products_.find<GridShot>(key);
-        auto layer = products_.find<GridLayer>(key);
-        if (shot && layer) {
+        Layers layers(static_cast<std::size_t>(groups()));
+        std::vector<GroupBake> missing;
+        for (int g = 0; g < groups(); ++g) {
+            if (isOff(job_.mix, g)) {
+                products_.counters.groupsOff += isOuter ? 1 : 0;
+                continue;
+            }
+            const std::string key = layerKey(g, geometry->lattice);
+            const auto shot = products_.find<GridShot>(key);
+            auto& layer = layers[static_cast<std::size_t>(g)];
+            layer = products_.find<GridLayer>(key);
+            if (!shot || !layer) {
+                layer = nullptr;
+                missing.push_back(started(g, key, geometry, missing));
+                continue;
+            }
+            if (!isOuter) continue;
             products_.counters.photonsReused += shot->counts.shot;
             ++products_.counters.groupsReused;
             count(*shot);
-            return layer;
         }
-        StageCost shooting{"shoot"}, depositing{"deposit"};
-        const auto made = std::make_shared<GridShot>();
-        GridDeposit deposit(geometry, job_.params.gridEstimator);
-        const PhotonJob photons{group, job_.params.seed, photonsOf(group), job_.params.pathDepth};
-        const std::uint64_t all = segmentBlocks(photons.count);
-        for (std::uint64_t first = 0; first < all; first += kBatch) {
-            control_.waitWhilePaused();
-            std::vector<SegmentBlock>& blocks = blocks_;
-            blocks.resize(std::min(kBatch, all - first));
-            if (!shootBatch(photons, first, blocks, shooting) || !depositBatch(deposit, blocks, depositing))
-                return nullptr;
-            for (const SegmentBlock& block : blocks) add(block, *made);
-            const double done = static_cast<double>(first + blocks.size()) / static_cast<double>(all);
-            control_.progress(Stage::shoot, before + share * done);
+        if (!advance(missing, geometry, layers, before, share, isOuter)) return {};
+        for (GroupBake& bake : missing) {
+            layers[static_cast<std::size_t>(bake.shot().counts.group)] = bake.finish(products_, control_);
+            const PathFeed& feed = bake.feed();
+            products_.counters.photonsShot += feed.photonsTraced();
+            products_.counters.raysTraced += feed.raysTraced();
+            if (!isOuter) continue;
+            products_.counters.photonsReused += feed.photonsKept();
+            count(bake.shot());
         }
-        made->counts.group = group;
-        made->deposits = deposit.deposits();
-        products_.counters.photonsShot += made->counts.shot;
-        products_.counters.raysTraced += made->counts.rays;
-        count(*made);
-        products_.keep<GridShot>(key, made, shooting);
-        const StageClock clock("deposit", control_);
-        layer = std::make_shared<const GridLayer>(deposit.layer(group));
-        addTo(depositing, clock.stop());
-        products_.keep<GridLayer>(key, layer, depositing);
-        return layer;
+        return layers;
     }
 
+    [[nodiscard]] std::shared_ptr<const IrradianceGrid> field(const Geometry& geometry, Layers layers) const
+    {
+        return std::make_shared<const IrradianceGrid>(geometry, std::move(layers), params_.gridEstimator, job_.mix,
+                                                      gridShow(params_));
+    }
+
+    /// The box of the finer grid; none: nothing bends.
+    [[nodiscard]] std::optional<Bounds> nestBox(const IrradianceGrid& outer) const
+    {
+        if (params_.gridNest == GridNest::automatic) return chooseNest(outer, params_.gridNestFine);
+        const Scene& scene = *job_.scene;
+        const GridLattice& lattice = outer.geometry().lattice;
+        const glm::dvec3 low(params_.gridNestLowX, params_.gridNestLowY, params_.gridNestLowZ);
+        const glm::dvec3 high(params_.gridNestHighX, params_.gridNestHighY, params_.gridNestHighZ);
+        const glm::vec3 end = lattice.position(lattice.cells);
+        const Bounds box{glm::clamp(glm::vec3(low - scene.origin), lattice.lowest, end),
+                         glm::clamp(glm::vec3(high - scene.origin), lattice.lowest, end)};
+        return glm::all(glm::lessThan(box.low, box.high)) ? std::optional(box) : std::nullopt;
+    }
+
+    [[nodiscard]] GridMemoryJob memoryJob() const
+    {
+        return {on_,
+                static_cast<std::uint64_t>(params_.photonCount),
+                segments_.mean,
+                segments_.most,
+                mostPathBytes(),
+                params_.gridEstimator,
+                params_.gridRemap,
+                job_.roughFirst};
+    }
+    [[nodiscard]] int groups() const { return static_cast<int>(job_.scene->groups.size()); }
+
 private:
+    [[nodiscard]] double mostPathBytes() const { return params_.gridPathMemory * 1048576.0; }
     [[nodiscard]] std::uint64_t photonsOf(int group) const
     {
         const bool isDark = scene_.lights->groupFlux(group) == glm::vec3(0.0f);
-        return isDark ? 0 : static_cast<std::uint64_t>(job_.params.photonCount);
+        return isDark ? 0 : static_cast<std::uint64_t>(params_.photonCount);
     }
-    static void addTo(StageCost& sum, const StageCost& cost)
+    [[nodiscard]] std::string photonKey() const { return stageKey(params_, Stage::shoot, Method::irradianceGrid); }
+    [[nodiscard]] std::string layerKey(int group, const GridLattice& lattice) const
     {
-        sum.wallMs += cost.wallMs;
-        sum.cpuMs += cost.cpuMs;
+        return scene_.layerKey(static_cast<std::size_t>(group)) + photonKey() + latticeText(lattice) +
+               std::string(kGridEstimatorNames[static_cast<std::size_t>(params_.gridEstimator)]);
     }
-    bool shootBatch(const PhotonJob& photons, std::uint64_t first, std::span<SegmentBlock> blocks, StageCost& cost)
+    [[nodiscard]] GroupBake started(int group, const std::string& key, const Geometry& geometry,
+                                    const std::vector<GroupBake>& others)
     {
-        const StageClock clock("shoot", control_);
-        const bool all =
-            traceSegments(*scene_.rays, *scene_.lights, photons, first, blocks, control_.workers(), control_.stop());
-        addTo(cost, clock.stop());
-        return all;
+        auto deposit = others.empty() ? std::make_unique<GridDeposit>(geometry, params_.gridEstimator)
+                                      : others.front().deposit().another();
+        const PhotonJob photons{group, params_.seed, photonsOf(group), params_.pathDepth};
+        auto feed =
+            std::make_unique<PathFeed>(scene_, photons, scene_.lampKey(static_cast<std::size_t>(group)) + photonKey(),
+                                       mostPathBytes() / std::max(on_, 1), segments_.most, blocks_, products_);
+        return {key, std::move(deposit), std::move(feed), photons.count, group};
     }
-    bool depositBatch(GridDeposit& deposit, std::span<const SegmentBlock> blocks, StageCost& cost)
+    /// Takes all photons to their end, lamps side by side. False: stopped.
+    bool advance(std::vector<GroupBake>& missing, const Geometry& geometry, const Layers& kept, double before,
+                 double share, bool isOuter)
     {
-        const StageClock clock("deposit", control_);
-        const bool all = deposit.add(blocks, control_.workers(), control_.stop());
-        addTo(cost, clock.stop());
-        return all;
-    }
-    static void add(const SegmentBlock& block, GridShot& sum)
-    {
-        sum.counts.shot += block.counts.shot;
-        sum.counts.rays += block.counts.rays;
-        sum.counts.caustic += block.counts.caustic;
-        sum.counts.cutOff += block.counts.cutOff;
-        sum.counts.ledger += block.counts.ledger;
-        sum.stored += block.stored;
+        std::uint64_t all = 0;
+        for (const GroupBake& bake : missing) all = std::max(all, segmentBlocks(photonsOf(bake.shot().counts.group)));
+        for (std::uint64_t first = 0; first < all;) {
+            const std::uint64_t end = gridBatchEnd(first, all);
+            for (GroupBake& bake : missing) {
+                control_.waitWhilePaused();
+                if (photonsOf(bake.shot().counts.group) > 0 && !bake.advance(first, end, control_)) return false;
+            }
+            first = end;
+            control_.progress(Stage::shoot, before + share * static_cast<double>(end) / static_cast<double>(all));
+            if (!isOuter || !job_.roughFirst || end == all || !isGridMilestone(end)) continue;
+            Layers soFar = kept;
+            for (const GroupBake& bake : missing)
+                soFar[static_cast<std::size_t>(bake.shot().counts.group)] = bake.layer();
+            control_.publish(field(geometry, std::move(soFar)), std::countr_zero(end), false, true);
+        }
+        return true;
     }
     void count(const GridShot& shot)
     {
@@ -134,57 +264,123 @@ private:
     }
 
     const BakeJob& job_;
+    BakeParams params_;
     const SceneProducts& scene_;
+    SegmentCounts segments_;
     BakeProducts& products_;
     BakeControl& control_;
-    std::vector<SegmentBlock> blocks_; // of a batch
+    std::vector<SegmentBlock> blocks_; ///< of a batch
+    int on_ = 0;                       ///< light groups that are
 };
+
+/// How many indirect segments photons have, over the first block of every light group. Nothing: stopped.
+std::optional<SegmentCounts> countSegments(const BakeJob& job, const SceneProducts& scene, BakeControl& control)
+{
+    SegmentCounts counts;
+    int groups = 0;
+    for (int g = 0; g < static_cast<int>(job.scene->groups.size()); ++g) {
+        if (isOff(job.mix, g) || scene.lights->groupFlux(g) == glm::vec3(0.0f)) continue;
+        std::vector<SegmentBlock> block(1);
+        const PhotonJob look{g, job.params.seed, kSegmentBlock, job.params.pathDepth};
+        if (!traceSegments(*scene.rays, *scene.lights, look, 0, block, control.workers(), control.stop())) return {};
+        const double each = static_cast<double>(block[0].segments.size()) / static_cast<double>(kSegmentBlock);
+        counts.mean += each;
+        counts.most = std::max(counts.most, each);
+        ++groups;
+    }
+    counts.mean /= std::max(groups, 1);
+    return counts;
+}
+
+std::string sceneKeyOf(const SceneProducts& scene, const BakeJob& job)
+{
+    std::string key = scene.reachKey + scene.sceneKey + "mix";
+    for (int g = 0; g < static_cast<int>(job.scene->groups.size()); ++g) key += isOff(job.mix, g) ? '0' : '1';
+    return key + "\n";
+}
 
 } // namespace
 
 GridShow gridShow(const BakeParams& params) { return {params.gridRemap, params.gridFilter, params.gridOffset}; }
 
-Result<Done> checkGridFits(const GridLattice& lattice, int groups)
+Result<BakeParams> settledGridParams(const BakeJob& job, const SceneProducts& scene, BakeProducts& products,
+                                     BakeControl& control)
 {
-    const auto vertices = static_cast<double>(lattice.cells.x + 1) * (lattice.cells.y + 1) * (lattice.cells.z + 1);
-    const double kept = vertices * (sizeof(IrradianceVectors) + sizeof(std::array<float, 6>)) * groups;
-    const double wanted = kept + GridDeposit::bytesFor(lattice) + vertices * 300.0, have = 0.9 * machineMemoryBytes();
-    if (wanted <= have && vertices < 2e9) return Done{};
-    return Error{
-        Error::Kind::outOfMemory,
-        fmt::format("a grid of {} x {} x {} cells for {} light groups needs about {:.1f} GiB, this machine has "
-                    "{:.1f}; lower grid.size",
-                    lattice.cells.x, lattice.cells.y, lattice.cells.z, groups, wanted / (1 << 30), have / (1 << 30))};
+    if (job.params.gridSize != 0 && job.params.gridNoise == 0.0f) return job.params;
+    const std::string key = sceneKeyOf(scene, job) + stageKey(job.params, Stage::fit, Method::irradianceGrid);
+    if (const auto kept = products.find<BakeParams>(key)) {
+        BakeParams settled = job.params;
+        settled.gridSize = kept->gridSize, settled.photonCount = kept->photonCount, settled.gridNoise = 0.0f;
+        return settled;
+    }
+    const StageClock clock("advice", control);
+    BakeParams settled = job.params;
+    settled.gridNoise = 0.0f;
+    if (settled.gridSize == 0) {
+        const GridMemoryJob memory = GridBake(job, settled, scene, {}, products, control).memoryJob();
+        settled.gridSize = adviseGridSize(scene, memory, settled.gridShift).size;
+    }
+    if (job.params.gridNoise > 0.0f) {
+        BakeParams few = settled;
+        few.photonCount = static_cast<int>(kPilotPhotons);
+        few.gridPathMemory = 0;
+        BakeProducts apart; // nothing of it is part of the bake
+        GridBake pilot(job, few, scene, {}, apart, control);
+        const Result<Geometry> geometry = pilot.outerGeometry();
+        if (!geometry) return geometry.error();
+        Layers layers = pilot.layers(*geometry, 0.0, 0.01, false);
+        if (control.isStopped()) return cancelled();
+        const auto points = samplePoints(*scene.rays, *scene.lights, *scene.reach, kNoisePoints, 1);
+        settled.photonCount =
+            static_cast<int>(photonsForNoise(*pilot.field(*geometry, std::move(layers)), kPilotPhotons, points,
+                                             static_cast<double>(job.params.gridNoise)));
+    }
+    products.keep<BakeParams>(key, std::make_shared<const BakeParams>(settled), clock.stop());
+    return settled;
 }
 
 Result<Done> IvgSolver::bake(const BakeJob& job, BakeProducts& products, BakeControl& control)
 {
+    if (const Result<Done> checked = checkTogether(job.params); !checked) return checked;
     control.progress(Stage::shoot, 0.0);
     const Result<SceneProducts> scene = sceneProducts(job, products, control);
     if (!scene) return scene.error();
-    GridBake bake(job, *scene, products, control);
-    const Result<std::shared_ptr<const GridGeometry>> geometry = bake.geometry();
+    const Result<BakeParams> params = settledGridParams(job, *scene, products, control);
+    if (!params) return params.error();
+    const std::optional<SegmentCounts> segments = countSegments(job, *scene, control);
+    if (!segments) return cancelled();
+    GridBake bake(job, *params, *scene, *segments, products, control);
+    const GridLattice lattice = placeGrid(
+        *scene->rays, {params->gridSize, {params->gridSizeX, params->gridSizeY, params->gridSizeZ}}, params->gridShift);
+    if (const Result<Done> fits = checkGridFits(lattice, bake.memoryJob()); !fits) return fits.error();
+    const GridMemory memory = gridMemory(lattice, bake.memoryJob());
+    products.counters.keptBytes = memory.kept, products.counters.mostBytes = memory.most;
+
+    const Result<Geometry> geometry = bake.geometry(lattice);
     if (!geometry) return geometry.error();
-    products.counters.vertices =
-        static_cast<std::uint64_t>(std::ranges::count((*geometry)->openness.isOpen, std::uint8_t{1}));
-    const int groups = static_cast<int>(job.scene->groups.size());
-    std::vector<std::shared_ptr<const GridLayer>> layers(static_cast<std::size_t>(groups));
-    int on = 0, done = 0;
-    for (int g = 0; g < groups; ++g) on += isOff(job.mix, g) ? 0 : 1;
-    for (int g = 0; g < groups; ++g) {
-        if (isOff(job.mix, g)) {
-            ++products.counters.groupsOff;
-            continue;
-        }
-        const double share = (1.0 - kPlaceShare) / on;
-        auto& layer = layers[static_cast<std::size_t>(g)];
-        layer = bake.layer(*geometry, g, kPlaceShare + share * done++, share);
-        if (!layer) return cancelled();
+    WorkCounters& counters = products.counters;
+    counters.photonsPerGroup = static_cast<std::uint64_t>(params->photonCount);
+    counters.vertices = static_cast<std::uint64_t>(std::ranges::count((*geometry)->openness.isOpen, std::uint8_t{1}));
+    const bool isNested = params->gridNest != GridNest::off;
+    const double share = 1.0 - kPlaceShare - (isNested ? kNestShare : 0.0);
+    Layers layers = bake.layers(*geometry, kPlaceShare, share, true);
+    if (control.isStopped()) return cancelled();
+    std::shared_ptr<const IrradianceGrid> field = bake.field(*geometry, std::move(layers));
+    const std::optional<Bounds> box = isNested ? bake.nestBox(*field) : std::nullopt;
+    if (box) {
+        if (job.roughFirst) control.publish(field, kOuterLevel, false);
+        const GridLattice finer = nestLattice(*scene->rays, lattice, *box, params->gridNestFine);
+        if (const Result<Done> fits = checkGridFits(finer, bake.memoryJob()); !fits) return fits.error();
+        const Result<Geometry> inside = bake.geometry(finer);
+        if (!inside) return inside.error();
+        Layers more = bake.layers(*inside, 1.0 - kNestShare, kNestShare, false);
+        if (control.isStopped()) return cancelled();
+        counters.vertices +=
+            static_cast<std::uint64_t>(std::ranges::count((*inside)->openness.isOpen, std::uint8_t{1}));
+        field = field->withInside(joinNest(bake.field(*inside, std::move(more)), job.scene->bounds, lattice, *box));
     }
-    auto field = std::make_shared<IrradianceGrid>(*geometry, std::move(layers), job.params.gridEstimator, job.mix,
-                                                  gridShow(job.params));
     control.progress(Stage::fit, 1.0);
-    control.publish(std::move(field), 0, true);
+    control.publish(std::move(field), kOuterLevel + 1, true);
     return Done{};
 }
 

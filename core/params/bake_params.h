@@ -55,6 +55,12 @@ struct BakeParams {
     GridRemap gridRemap = GridRemap::joined;
     GridFilter gridFilter = GridFilter::trilinear;
     float gridOffset = 0.5f;
+    float gridNoise = 0.0f;
+    int gridPathMemory = 512;
+    GridNest gridNest = GridNest::off;
+    int gridNestFine = 2;
+    float gridNestLowX = 0.0f, gridNestLowY = 0.0f, gridNestLowZ = 0.0f;
+    float gridNestHighX = 0.0f, gridNestHighY = 0.0f, gridNestHighZ = 0.0f;
     int vdlCount = 4;
     float vdlTolerance = 0.0f;
     VdlForm vdlForm = VdlForm::corrected;
@@ -90,7 +96,7 @@ struct ParamSpec {
         std::variant<int BakeParams::*, float BakeParams::*, std::uint64_t BakeParams::*, GatherKernel BakeParams::*,
                      GatherArea BakeParams::*, GatherFit BakeParams::*, Switch BakeParams::*, VdlForm BakeParams::*,
                      OctreeShow BakeParams::*, OctreeValues BakeParams::*, PhotonLookup BakeParams::*,
-                     GridEstimator BakeParams::*, GridRemap BakeParams::*, GridFilter BakeParams::*>;
+                     GridEstimator BakeParams::*, GridRemap BakeParams::*, GridFilter BakeParams::*, GridNest BakeParams::*>;
     std::string_view key;   ///< for ever: files hold it
     std::string_view label; ///< in the window
     std::string_view unit;  ///< "" for a pure number
@@ -129,8 +135,8 @@ inline constexpr std::array kParams{
               "Most levels that leaves split below the octree depth where photons show light that they blur, such as caustics."},
     ParamSpec{"grid.shift", "Lattice shift", "cells", 0, 0.999, 0.25, kForOctree | kForGrid, Stage::build, &BakeParams::gridShift, {},
               "Moves the lattice by part of a cell along all axes; accuracy is stated as the worst of 0 .25 .5 .75."},
-    ParamSpec{"grid.size", "Grid size (N)", "cells", 2, 512, 8, kForGrid, Stage::build, &BakeParams::gridSize, {},
-              "Cells along the longest side; cells are cubes. Finer grids show smaller shadows; noise and memory grow with the cube."},
+    ParamSpec{"grid.size", "Grid size (N)", "cells", 0, 512, 8, kForGrid, Stage::build, &BakeParams::gridSize, {},
+              "Cells along the longest side; cells are cubes. Finer: smaller shadows, more noise, memory by the cube. 0: by how far walls lie apart."},
     ParamSpec{"grid.size.x", "Cells along x", "cells", 0, 512, 1, kForGrid, Stage::build, &BakeParams::gridSizeX, {},
               "Above 0: as many along x, so that cells need not be cubes. 0: by the grid's size."},
     ParamSpec{"grid.size.y", "Cells along y", "cells", 0, 512, 1, kForGrid, Stage::build, &BakeParams::gridSizeY, {},
@@ -139,6 +145,26 @@ inline constexpr std::array kParams{
               "Above 0: as many along z, so that cells need not be cubes. 0: by the grid's size."},
     ParamSpec{"grid.estimator", "Grid estimator", "", 0, 2, 1, kForGrid, Stage::fit, &BakeParams::gridEstimator, kGridEstimatorNames,
               "crossings: photons through cell faces, by area and cosine. tracks: ways through cells. paper: as printed, a third too dark; for comparison."},
+    ParamSpec{"grid.noise", "Wanted noise", "fraction", 0, 1, 0.005, kForGrid, Stage::shoot, &BakeParams::gridNoise, {},
+              "Above 0: as many photons as bring the noise to this share of the mean light, instead of a number. 0: the number counts."},
+    ParamSpec{"grid.paths", "Photon ways kept", "MiB", 0, 1'000'000, 128, kForGrid, Stage::show, &BakeParams::gridPathMemory, {},
+              "Memory for photons' ways, so that another grid of the same scene is filled without tracing. Does not change results."},
+    ParamSpec{"grid.nest", "Finer grid inside", "", 0, 2, 1, kForGrid, Stage::build, &BakeParams::gridNest, kGridNestNames,
+              "A second, finer grid within the first. off: none. auto: where light changes most within cells. box: in grid.nest.low to grid.nest.high."},
+    ParamSpec{"grid.nest.fine", "Cells inside a cell", "per axis", 2, 8, 1, kForGrid, Stage::build, &BakeParams::gridNestFine, {},
+              "How many cells of the finer grid lie along one of the outer grid's. Memory and depositing grow with the cube."},
+    ParamSpec{"grid.nest.low.x", "Box from x", "m", -1e6, 1e6, 0.1, kForGrid, Stage::build, &BakeParams::gridNestLowX, {},
+              "Low corner of the finer grid's box, in the scene file's frame, where grid.nest is box."},
+    ParamSpec{"grid.nest.low.y", "Box from y", "m", -1e6, 1e6, 0.1, kForGrid, Stage::build, &BakeParams::gridNestLowY, {},
+              "Low corner of the finer grid's box, in the scene file's frame, where grid.nest is box."},
+    ParamSpec{"grid.nest.low.z", "Box from z", "m", -1e6, 1e6, 0.1, kForGrid, Stage::build, &BakeParams::gridNestLowZ, {},
+              "Low corner of the finer grid's box, in the scene file's frame, where grid.nest is box."},
+    ParamSpec{"grid.nest.high.x", "Box to x", "m", -1e6, 1e6, 0.1, kForGrid, Stage::build, &BakeParams::gridNestHighX, {},
+              "High corner of the finer grid's box, in the scene file's frame, where grid.nest is box."},
+    ParamSpec{"grid.nest.high.y", "Box to y", "m", -1e6, 1e6, 0.1, kForGrid, Stage::build, &BakeParams::gridNestHighY, {},
+              "High corner of the finer grid's box, in the scene file's frame, where grid.nest is box."},
+    ParamSpec{"grid.nest.high.z", "Box to z", "m", -1e6, 1e6, 0.1, kForGrid, Stage::build, &BakeParams::gridNestHighZ, {},
+              "High corner of the finer grid's box, in the scene file's frame, where grid.nest is box."},
     ParamSpec{"grid.remap", "Grid remap", "", 0, 3, 1, kForGrid, Stage::show, &BakeParams::gridRemap, kGridRemapNames,
               "How light falls on tilted surfaces. joined: six axes, harmonics between. harmonic: these alone. flux: axes alone. paper: as printed, too dark."},
     ParamSpec{"grid.filter", "Grid filter", "", 0, 2, 1, kForGrid, Stage::show, &BakeParams::gridFilter, kGridFilterNames,

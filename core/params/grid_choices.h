@@ -12,11 +12,14 @@ enum class GridEstimator { crossings, tracks, paper };
 /// between them, second-order harmonics fitted to all, axial components blended by the squared normal, or the remap
 /// that RR-6983 prints.
 enum class GridRemap { joined, harmonic, flux, paper };
+/// Whether a finer grid lies within the grid: none, where its error is estimated largest, or in a box that is given.
+enum class GridNest { off, automatic, box };
 /// Interpolation between vertices.
 enum class GridFilter { trilinear, bspline, catmullRom };
 
 inline constexpr std::array<std::string_view, 3> kGridEstimatorNames{"crossings", "tracks", "paper"};
 inline constexpr std::array<std::string_view, 4> kGridRemapNames{"joined", "harmonic", "flux", "paper"};
+inline constexpr std::array<std::string_view, 3> kGridNestNames{"off", "auto", "box"};
 inline constexpr std::array<std::string_view, 3> kGridFilterNames{"trilinear", "b-spline", "catmull-rom"};
 
 } // namespace lightloom

@@ -93,6 +93,11 @@ Result<Done> checkTogether(const BakeParams& params)
         return Error{Error::Kind::badInput, fmt::format("octree.first-depth={} is beyond octree.depth={}",
                                                         params.octreeFirstDepth, params.octreeDepth)};
     }
+    const bool isBox = params.gridNestLowX < params.gridNestHighX && params.gridNestLowY < params.gridNestHighY &&
+                       params.gridNestLowZ < params.gridNestHighZ;
+    if (params.gridNest == GridNest::box && !isBox) {
+        return Error{Error::Kind::badInput, "grid.nest=box needs grid.nest.low below grid.nest.high along x, y and z"};
+    }
     return Done{};
 }
 
