@@ -139,6 +139,8 @@ Result<BakeParams> preset(std::string_view name)
     if (name == "final") {
         params.photonCount = 4'000'000;
         params.gatherCount = 1600;
+        params.gridSize = 48;
+        params.gridNest = GridNest::automatic;
         params.directSamples = 256;
         params.pixelSamples = 64;
         params.referenceSamples = 16384;
