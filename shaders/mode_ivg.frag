@@ -26,6 +26,32 @@ out vec4 radiance;
 const float kLeastKnown = 0.005; // of trilinear weights: less comes from round a corner
 const float kLeastCubic = 0.5;   // of Catmull-Rom's weights that must find a value
 
+// Each of a few numbers in turn. As loops they would stay loops inside those over vertices, at twice the time (Mesa).
+#define TO_2(DO) DO(0) DO(1) DO(2)
+#define TO_5(DO) TO_2(DO) DO(3) DO(4) DO(5)
+#define TO_8(DO) TO_5(DO) DO(6) DO(7) DO(8)
+#if SIDE_TEXELS == 1
+#define EACH_SIDE(DO) TO_2(DO)
+#elif SIDE_TEXELS == 2
+#define EACH_SIDE(DO) TO_5(DO)
+#elif SIDE_TEXELS == 3
+#define EACH_SIDE(DO) TO_8(DO)
+#else
+#define EACH_SIDE(DO)
+#endif
+#if SHARED_TEXELS == 5
+#define EACH_SHARED(DO) TO_2(DO) DO(3) DO(4)
+#elif SHARED_TEXELS == 7
+#define EACH_SHARED(DO) TO_5(DO) DO(6)
+#else
+#define EACH_SHARED(DO)
+#endif
+#if SLOPES == 1
+#define EACH_SLOPE(DO) TO_2(DO)
+#else
+#define EACH_SLOPE(DO)
+#endif
+
 // Where the slabs begin that a surface of this normal reads, and weighted sums over what is read of them.
 #if SIDE_TEXELS > 0
 ivec3 sideSlab[3 * SIDE_TEXELS];
@@ -64,16 +90,12 @@ void chooseSlabs(vec3 n)
 
 void clearSums()
 {
-#if SIDE_TEXELS > 0
-    for (int i = 0; i < 3 * SIDE_TEXELS; ++i) sideSum[i] = vec4(0.0);
-#endif
-#if SHARED_TEXELS > 0
-    for (int i = 0; i < SHARED_TEXELS; ++i) sharedSum[i] = vec4(0.0);
-#endif
-#if SLOPES == 1
-    for (int i = 0; i < 3; ++i) slopeSum[i] = vec3(0.0);
-    placeSum = vec3(0.0);
-#endif
+#define CLEAR_SIDE(i) sideSum[i] = vec4(0.0);
+#define CLEAR_SHARED(i) sharedSum[i] = vec4(0.0);
+#define CLEAR_SLOPE(i) slopeSum[i] = vec3(0.0); placeSum[i] = 0.0;
+    EACH_SIDE(CLEAR_SIDE)
+    EACH_SHARED(CLEAR_SHARED)
+    EACH_SLOPE(CLEAR_SLOPE)
 }
 
 #if FILTER == 1
@@ -88,35 +110,38 @@ vec4 readAt(ivec3 slab, vec3 at)
 void add(vec3 at, float weight)
 {
     at = clamp(at, vec3(0.0), vec3(cells));
-#if SIDE_TEXELS > 0
-    for (int i = 0; i < 3 * SIDE_TEXELS; ++i) sideSum[i] += weight * readAt(sideSlab[i], at);
-#endif
-#if SHARED_TEXELS > 0
-    for (int i = 0; i < SHARED_TEXELS; ++i) sharedSum[i] += weight * readAt(sharedSlab[i], at);
-#endif
+#define ADD_SIDE(i) sideSum[i] += weight * readAt(sideSlab[i], at);
+#define ADD_SHARED(i) sharedSum[i] += weight * readAt(sharedSlab[i], at);
+#define ADD_SLOPE(i) slopeSum[i] += weight * readAt(slopeSlab[i], at).xyz;
+    EACH_SIDE(ADD_SIDE)
+    EACH_SHARED(ADD_SHARED)
+    EACH_SLOPE(ADD_SLOPE)
 #if SLOPES == 1
-    for (int i = 0; i < 3; ++i) slopeSum[i] += weight * readAt(slopeSlab[i], at).xyz;
     placeSum += weight * texture(places, (at + 0.5) / vec3(cells + 1)).xyz;
 #endif
 }
 #else
+#if SLOPES == 1
+void addAxis(int axis, ivec3 vertex, float weight)
+{
+    vec4 texel = weight * texelFetch(light, sideSlab[axis] + vertex, 0);
+    sideSum[axis] += texel;
+    placeSum[axis] += texel.w * float(vertex[axis]);
+    slopeSum[axis] += weight * texelFetch(light, slopeSlab[axis] + vertex, 0).xyz;
+}
+#endif
+
 void add(ivec3 vertex, float weight)
 {
-#if SIDE_TEXELS > 0
-    for (int i = 0; i < 3 * SIDE_TEXELS; ++i) {
-        vec4 texel = weight * texelFetch(light, sideSlab[i] + vertex, 0);
-        sideSum[i] += texel;
+#define ADD_SIDE(i) sideSum[i] += weight * texelFetch(light, sideSlab[i] + vertex, 0);
+#define ADD_SHARED(i) sharedSum[i] += weight * texelFetch(light, sharedSlab[i] + vertex, 0);
+#define ADD_SLOPE(i) addAxis(i, vertex, weight);
 #if SLOPES == 1
-        placeSum[i] += texel.w * float(vertex[i]);
+    EACH_SLOPE(ADD_SLOPE)
+#else
+    EACH_SIDE(ADD_SIDE)
 #endif
-    }
-#endif
-#if SHARED_TEXELS > 0
-    for (int i = 0; i < SHARED_TEXELS; ++i) sharedSum[i] += weight * texelFetch(light, sharedSlab[i] + vertex, 0);
-#endif
-#if SLOPES == 1
-    for (int i = 0; i < 3; ++i) slopeSum[i] += weight * texelFetch(light, slopeSlab[i] + vertex, 0).xyz;
-#endif
+    EACH_SHARED(ADD_SHARED)
 }
 #endif
 

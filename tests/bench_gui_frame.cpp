@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Frame time of each mode against plain mode, all in one run and in turn, so that the machine's mood hits all.
-// Run: xvfb-run -a -s "-screen 0 1280x1024x24" bench_gui_frame [SCENE NAME] [WIDTHxHEIGHT]
+// Run: xvfb-run -a -s "-screen 0 1280x1024x24" bench_gui_frame [SCENE NAME] [WIDTHxHEIGHT] [ROUNDS]
 #include "core/scene/sample_scenes.h"
 #include "core/scene/scene_builder.h"
 #include "tests/bench_clock.h"
@@ -14,7 +14,7 @@ using namespace lightloom;
 
 namespace {
 
-constexpr int kRounds = 31;
+constexpr int kRounds = 31; ///< unless asked for others
 
 /// A grid of the parameters' size in the forms and filters that the window shows.
 struct GridForm {
@@ -53,6 +53,7 @@ int main(int argc, char** argv)
     const std::string name = argc > 1 ? argv[1] : "cornell";
     glm::ivec2 size(800, 600);
     if (argc > 2) std::sscanf(argv[2], "%dx%d", &size.x, &size.y);
+    const int rounds = argc > 3 ? std::max(1, std::atoi(argv[3])) : kRounds;
     Result<Scene> made = sampleScene(name);
     if (!made) return fmt::print(stderr, "{}\n", made.error().message), 2;
     const auto scene = std::make_shared<const Scene>(std::move(*made));
@@ -63,7 +64,8 @@ int main(int argc, char** argv)
     if (!octree || !gl.start(size)) return fmt::print(stderr, "no bake or no OpenGL 3.3\n"), 1;
     const auto gpu = makeGpuOctree(*octree), colours = makeGpuOctree(*octree->showing(OctreeShow::colour));
     auto renderer = Renderer::make(*gl.gl);
-    if (!gpu || !colours || !renderer) return 1;
+    if (!renderer) return fmt::print(stderr, "{}\n", renderer.error().message), 1;
+    if (!gpu || !colours) return 1;
     Renderer& draw = **renderer;
     if (!draw.setScene(makeDrawData(scene)) || !draw.setOctree(std::make_shared<GpuOctree>(*gpu)) ||
         !draw.setColours(std::make_shared<GpuOctree>(*colours))) {
@@ -119,7 +121,7 @@ int main(int argc, char** argv)
     std::vector<std::vector<double>> times(modes.size());
     std::shared_ptr<const GpuGrid> set;
     FrameView frame = viewOf(*scene, 0, size);
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < rounds; ++round) {
         for (std::size_t i = 0; i < modes.size(); ++i) {
             frame.mode = modes[i].mode;
             frame.indirectOnly = modes[i].indirectOnly;
@@ -141,8 +143,8 @@ int main(int argc, char** argv)
         }
     }
     const double plain = median(times[0]);
-    fmt::print("{} {}x{} depth {} leaves {} k {} ({})\n", name, size.x, size.y, gpu->depth, gpu->leafCount,
-               gpu->vdlCount, reinterpret_cast<const char*>(gl.gl->glGetString(GL_RENDERER)));
+    fmt::print("{} {}x{} {} rounds, depth {} leaves {} k {} ({})\n", name, size.x, size.y, rounds, gpu->depth,
+               gpu->leafCount, gpu->vdlCount, reinterpret_cast<const char*>(gl.gl->glGetString(GL_RENDERER)));
     const glm::ivec3 cells = grids[0].gpu->lattice.cells;
     fmt::print("grid of {} x {} x {} cells, {:.1f} MB joined, {:.1f} MB as printed\n", cells.x, cells.y, cells.z,
                static_cast<double>(grids[0].gpu->memoryBytes()) / 1e6,
