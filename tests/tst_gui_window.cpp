@@ -17,6 +17,7 @@
 #include <QCheckBox>
 #include <QDir>
 #include <QDoubleSpinBox>
+#include <QLabel>
 #include <QMenu>
 #include <QMouseEvent>
 #include <QRegularExpression>
@@ -149,6 +150,9 @@ private Q_SLOTS:
         auto* reset = window->findChild<QToolButton*>("octree.depth.reset");
         QVERIFY(depth != nullptr && reset != nullptr);
         QVERIFY(depth->toolTip().contains("Range 1 to 10") && !depth->suffix().isEmpty());
+        const QString depths = window->findChild<QLabel*>("depths")->text();
+        QVERIFY2(depths.contains(QRegularExpression("Depth 5: [\\d.]+ m?s, [\\d.]+ CPU-s, [\\d,]+ entries")),
+                 qPrintable(depths));
         QVERIFY(depth->font().bold()); // 5 is not the default
         QSignalSpy ended(window.get(), &MainWindow::bakeEnded);
         depth->setValue(4);

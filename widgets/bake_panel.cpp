@@ -69,6 +69,7 @@ BakePanel::BakePanel(QAction* start, QAction* pause, QAction* cancel, QWidget* p
     column->addWidget(noise_);
     column->addWidget(light_);
     column->addWidget(counters_);
+    depths_->setObjectName("depths"); // tests read it
     depths_->setToolTip(tr("Time since the bake began, and what it has cost of all threads together; what was kept "
                            "counts with what it cost then."));
     noise_->setToolTip(
@@ -117,9 +118,8 @@ void BakePanel::add(const BakeView& view)
     if (view.isGrid()) {
         times_ += tr("%1: %2, %3").arg(shortName(view.snapshot), cost, gridSizeText(view.snapshot));
     } else {
-        times_ += (view.snapshot.isRough ? tr("Rough: %1, %2 entries")
-                                         : tr("Depth %3: %1, %2 entries").arg(view.snapshot.level))
-                      .arg(cost, count(view.entries));
+        const QString what = view.snapshot.isRough ? tr("Rough") : tr("Depth %1").arg(view.snapshot.level);
+        times_ += tr("%1: %2, %3 entries").arg(what, cost, count(view.entries));
     }
     depths_->setText(times_);
 }
