@@ -60,6 +60,9 @@ void addGrid(std::shared_ptr<const IrradianceGrid> grid, const Look& look, BakeV
     Result<GpuGrid> gpu = makeGpuGrid(*grid, look.packing);
     if (gpu) {
         view.gpuGrid = std::make_shared<const GpuGrid>(std::move(*gpu));
+        if (grid->inside().grid)
+            view.problem = QStringLiteral("The picture shows the outer grid alone; figures, comparison and export know "
+                                          "the finer one inside.");
     } else {
         view.problem = QString::fromStdString(gpu.error().message);
     }
