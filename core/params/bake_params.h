@@ -92,11 +92,11 @@ enum MethodBit : unsigned {
 
 /// One parameter: the only description of it. Command line, panels, files and the manual loop over `kParams`.
 struct ParamSpec {
-    using Field =
-        std::variant<int BakeParams::*, float BakeParams::*, std::uint64_t BakeParams::*, GatherKernel BakeParams::*,
-                     GatherArea BakeParams::*, GatherFit BakeParams::*, Switch BakeParams::*, VdlForm BakeParams::*,
-                     OctreeShow BakeParams::*, OctreeValues BakeParams::*, PhotonLookup BakeParams::*,
-                     GridEstimator BakeParams::*, GridRemap BakeParams::*, GridFilter BakeParams::*, GridNest BakeParams::*>;
+    using Field = std::variant<int BakeParams::*, float BakeParams::*, std::uint64_t BakeParams::*,
+                               GatherKernel BakeParams::*, GatherArea BakeParams::*, GatherFit BakeParams::*,
+                               Switch BakeParams::*, VdlForm BakeParams::*, OctreeShow BakeParams::*,
+                               OctreeValues BakeParams::*, PhotonLookup BakeParams::*, GridEstimator BakeParams::*,
+                               GridRemap BakeParams::*, GridFilter BakeParams::*, GridNest BakeParams::*>;
     std::string_view key;   ///< for ever: files hold it
     std::string_view label; ///< in the window
     std::string_view unit;  ///< "" for a pure number
