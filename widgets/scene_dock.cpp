@@ -84,6 +84,7 @@ void SceneDock::setScene(const std::shared_ptr<const Scene>& scene)
     area->setFrameShape(QFrame::NoFrame);
     area->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
     area->setMinimumWidth(fontMetrics().horizontalAdvance(QStringLiteral("Pendant lamp 200 % ...")));
+    area->setMinimumHeight(3 * fontMetrics().height()); // a lamp's row; small screens need the rest
     auto* inside = new QWidget;
     auto* rows = new QVBoxLayout(inside);
     rows->setContentsMargins(0, 0, 6, 0);
