@@ -9,20 +9,13 @@
 #include "core/scene/analytic_scenes.h"
 #include "core/scene/sample_scenes.h"
 #include "core/scene/scene_builder.h"
+#include "grid_helpers.h"
 #include "light_helpers.h"
 
 using namespace lightloom;
 using namespace lightloom::test;
 
 namespace {
-
-BakeParams params(int size, int photons)
-{
-    BakeParams p;
-    p.gridSize = size;
-    p.photonCount = photons;
-    return p;
-}
 
 Baked bakeGrid(const std::shared_ptr<const Scene>& scene, const BakeParams& p, int threads = 2, Mix mix = {})
 {
@@ -71,7 +64,7 @@ private Q_SLOTS:
         QFETCH(int, remap);
         QFETCH(int, filter);
         const auto scene = share(furnaceBox(0.5f, 1.0f, {2.0f, 1.7f, 2.3f}));
-        BakeParams p = params(4, 4'000'000);
+        BakeParams p = gridParams(4, 4'000'000);
         p.gridShift = float(shift);
         p.gridEstimator = GridEstimator(estimator);
         p.gridRemap = GridRemap(remap);
@@ -111,7 +104,7 @@ private Q_SLOTS:
     {
         QFETCH(double, shift);
         const auto scene = share(darkNeighbour());
-        BakeParams p = params(16, 200'000);
+        BakeParams p = gridParams(16, 200'000);
         p.gridShift = float(shift);
         const Baked baked = bakeGrid(scene, p);
         QVERIFY2(baked.error.empty(), baked.error.c_str());
@@ -129,7 +122,7 @@ private Q_SLOTS:
     void lampsAddUp()
     {
         const auto scene = share(*sampleScene("two_rooms"));
-        const BakeParams p = params(12, 30'000);
+        const BakeParams p = gridParams(12, 30'000);
         BakeProducts products;
         IvgSolver solver;
         const Baked both = runSolver(solver, {scene, p, {}}, products);
@@ -165,7 +158,7 @@ private Q_SLOTS:
     void filesGiveBackEveryBitOnAnyThreads()
     {
         const auto scene = share(*sampleScene("two_rooms"));
-        BakeParams p = params(10, 20'000);
+        BakeParams p = gridParams(10, 20'000);
         p.gridSizeY = 5;
         BakeInfo info;
         info.method = Method::irradianceGrid;
@@ -213,7 +206,7 @@ private:
     {
         std::vector<Baked> runs;
         for (std::uint64_t seed = 1; seed <= 8; ++seed) {
-            BakeParams p = params(16, photons);
+            BakeParams p = gridParams(16, photons);
             p.seed = seed;
             runs.push_back(bakeGrid(scene, p));
         }
@@ -239,7 +232,7 @@ private Q_SLOTS:
         const auto cornell = share(*sampleScene("cornell"));
         for (const int photons : {0, 1, 7}) {
             for (const int size : {2, 3}) {
-                const Baked baked = bakeGrid(cornell, params(size, photons));
+                const Baked baked = bakeGrid(cornell, gridParams(size, photons));
                 QVERIFY2(baked.error.empty(), baked.error.c_str());
                 for (const FacePoint& point : facePoints(*cornell, 200, 1)) {
                     const glm::vec3 lux = baked.field->irradiance(point.position, point.normal);
@@ -249,7 +242,7 @@ private Q_SLOTS:
         }
         SceneBuilder dark("dark"); // no lamp at all; flat
         dark.add("Sheet", quadMesh({0, 0, 0}, {0, 0, 1}, {2, 0, 0}), dark.addMaterial("grey", glm::vec3(0.5f)));
-        const Baked none = bakeGrid(share(dark.finish()), params(8, 1000));
+        const Baked none = bakeGrid(share(dark.finish()), gridParams(8, 1000));
         QVERIFY2(none.error.empty(), none.error.c_str());
         QVERIFY(none.field->irradiance({0.5f, 0.0f, 0.5f}, {0, 1, 0}) == glm::vec3(0.0f));
         glm::vec3 lux;
@@ -302,7 +295,7 @@ private Q_SLOTS:
     void midAirIsAnswered() // a plane across the furnace where there is no surface
     {
         const auto scene = share(furnaceBox(0.5f));
-        const Baked baked = bakeGrid(scene, params(6, 2'000'000));
+        const Baked baked = bakeGrid(scene, gridParams(6, 2'000'000));
         for (const glm::vec3 p : {glm::vec3(0.0f), glm::vec3(0.3f, -0.2f, 0.1f), glm::vec3(-0.7f, 0.4f, 0.6f)}) {
             for (const glm::vec3 n : {glm::vec3(0, 1, 0), glm::normalize(glm::vec3(1, -2, 3))}) {
                 glm::vec3 lux;
@@ -320,13 +313,13 @@ private Q_SLOTS:
         BakeControl control(workers, {}, source.get_token());
         BakeProducts products;
         const Result<Done> done =
-            IvgSolver().bake({share(*sampleScene("cornell")), params(32, 10'000'000), {}}, products, control);
+            IvgSolver().bake({share(*sampleScene("cornell")), gridParams(32, 10'000'000), {}}, products, control);
         QVERIFY(!done && done.error().kind == Error::Kind::cancelled);
     }
 
     void hugeGridsAreRefused()
     {
-        BakeParams p = params(512, 10);
+        BakeParams p = gridParams(512, 10);
         p.gridSizeX = p.gridSizeY = p.gridSizeZ = 512;
         const Baked baked = bakeGrid(share(*sampleScene("cornell")), p);
         QVERIFY2(baked.error.find("lower grid.size") != std::string::npos, baked.error.c_str());

@@ -12,6 +12,7 @@
 #include "core/scene/analytic_scenes.h"
 #include "core/scene/sample_scenes.h"
 #include "core/trace/reference.h"
+#include "grid_helpers.h"
 #include "light_helpers.h"
 
 using namespace lightloom;
@@ -21,9 +22,7 @@ namespace {
 
 BakeParams params(int size, int photons, GridNest nest = GridNest::automatic)
 {
-    BakeParams p;
-    p.gridSize = size;
-    p.photonCount = photons;
+    BakeParams p = gridParams(size, photons);
     p.gridNest = nest;
     return p;
 }

@@ -10,6 +10,7 @@
 #include "core/ivg/ivg_solver.h"
 #include "core/photonmap/photon_products.h"
 #include "core/scene/sample_scenes.h"
+#include "grid_helpers.h"
 #include "light_helpers.h"
 #include <malloc.h>
 
@@ -17,14 +18,6 @@ using namespace lightloom;
 using namespace lightloom::test;
 
 namespace {
-
-BakeParams params(int size, int photons)
-{
-    BakeParams p;
-    p.gridSize = size;
-    p.photonCount = photons;
-    return p;
-}
 
 const IrradianceGrid& gridOf(const std::shared_ptr<const IndirectField>& field)
 {
@@ -70,7 +63,7 @@ private Q_SLOTS:
     void noiseFallsFromSnapshotToSnapshot()
     {
         const auto scene = share(*sampleScene("two_rooms"));
-        const BakeParams p = params(12, 64 * 4096 + 1000);
+        const BakeParams p = gridParams(12, 64 * 4096 + 1000);
         IvgSolver solver;
         BakeProducts one, other;
         BakeJob job{scene, p, {}};
@@ -112,18 +105,18 @@ private Q_SLOTS:
         const auto scene = share(*sampleScene("two_rooms"));
         IvgSolver solver;
         BakeProducts products;
-        (void)runSolver(solver, {scene, params(10, 200'000), {}}, products);
-        const Baked again = runSolver(solver, {scene, params(14, 200'000), {}}, products);
+        (void)runSolver(solver, {scene, gridParams(10, 200'000), {}}, products);
+        const Baked again = runSolver(solver, {scene, gridParams(14, 200'000), {}}, products);
         QCOMPARE(again.counters.photonsShot, std::uint64_t(0));
         QCOMPARE(again.counters.photonsReused, std::uint64_t(400'000)); // of two lamps
-        BakeParams none = params(14, 200'000);
+        BakeParams none = gridParams(14, 200'000);
         none.gridPathMemory = 0;
         BakeProducts fresh;
         const Baked alone = runSolver(solver, {scene, none, {}}, fresh);
         QCOMPARE(alone.counters.photonsShot, std::uint64_t(400'000));
         QVERIFY(sameLight(again.field, alone.field));
         QVERIFY(again.counters.deposits == alone.counters.deposits);
-        const Baked other = runSolver(solver, {scene, params(9, 200'000), {}}, fresh); // nothing was kept
+        const Baked other = runSolver(solver, {scene, gridParams(9, 200'000), {}}, fresh); // nothing was kept
         QCOMPARE(other.counters.photonsShot, std::uint64_t(400'000));
     }
 
@@ -132,7 +125,7 @@ private Q_SLOTS:
         const auto scene = share(*sampleScene("cornell"));
         IvgSolver solver;
         BakeProducts products;
-        BakeParams p = params(8, 400'000);
+        BakeParams p = gridParams(8, 400'000);
         p.gridPathMemory = 8; // not enough for all
         (void)runSolver(solver, {scene, p, {}}, products);
         p.gridSize = 12;
@@ -149,7 +142,7 @@ private Q_SLOTS:
         const auto scene = share(*sampleScene("two_rooms"));
         auto moved = std::make_shared<Scene>(*scene);
         moved->lights.at(0).position += glm::vec3(0.1f, 0.0f, 0.05f);
-        const BakeParams p = params(10, 100'000);
+        const BakeParams p = gridParams(10, 100'000);
         IvgSolver solver;
         BakeProducts products, fresh;
         (void)runSolver(solver, {scene, p, {}}, products);
@@ -163,7 +156,7 @@ private Q_SLOTS:
     void aCancelledBakeLeavesPictureAndWays()
     {
         const auto scene = share(*sampleScene("cornell"));
-        const BakeParams p = params(10, 2'000'000);
+        const BakeParams p = gridParams(10, 2'000'000);
         Workers workers(2);
         BakeProducts products;
         std::stop_source stop;
@@ -202,11 +195,11 @@ private Q_SLOTS:
         QFETCH(int, size);
         QFETCH(int, paths);
         const auto made = share(*sampleScene(scene.toStdString()));
-        BakeParams p = params(size, 1'000'000);
+        BakeParams p = gridParams(size, 1'000'000);
         p.gridPathMemory = paths;
         IvgSolver solver;
         BakeProducts products;
-        (void)runSolver(solver, {made, params(2, 100), {}}, products); // what the scene itself takes is there
+        (void)runSolver(solver, {made, gridParams(2, 100), {}}, products); // what the scene itself takes is there
         malloc_trim(0); // what earlier tests freed would be used again unseen
         if (!resetPeakMemory()) QSKIP("this system does not tell the most memory");
         const double before = double(peakMemoryBytes());
