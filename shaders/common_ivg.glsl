@@ -4,6 +4,8 @@
 
 const float kGridBefore = 0.1f; // cells before a surface within which a vertex counts in part
 const float kGridSlack = 0.05f; // cells, for walls that are not quite parallel to an axis
+const float kGridBehind = 0.01f; // of what counts before a surface
+const float kGridLean = 0.1f; // of a normal along an axis that is enough
 const float kGridSightUnits = 127.5f; // of sight, a cell; 255: that far or more
 
 // 1 where `excess` is below -width, 0 where it is above it.
@@ -32,6 +34,23 @@ SHARED float gridSight(vec3 away, uvec3 sight)
 SHARED float gridSide(vec3 away, vec3 side)
 {
     return clamp(-dot(away, side) / (sqrt(dot(side, side)) * kGridBefore), 0.0f, 1.0f);
+}
+
+// How far a surface leans towards a vertex along an axis in which it lies `away`, if a wall is seen that way; 0: no wall.
+SHARED float gridLeanAlong(float away, uint sight, float n)
+{
+    uint way = away > 0.0f ? sight >> 8u : sight & 255u;
+    if (way >= 255u) return 0.0f;
+    return away > 0.0f ? -n : n;
+}
+
+// What of a vertex counts that may lie behind the surface: little, and where a wall that it sees faces it as the surface
+// does (CornerSide::leaning).
+SHARED float gridLean(vec3 away, uvec3 sight, vec3 n)
+{
+    float lean = max(gridLeanAlong(away.x, sight.x, n.x),
+                     max(gridLeanAlong(away.y, sight.y, n.y), gridLeanAlong(away.z, sight.z, n.z)));
+    return kGridBehind * clamp(lean / kGridLean, 0.0f, 1.0f);
 }
 
 // Cubic B-spline at t of the way from vertex 0 to 1, as two reads with linear filter (Sigg and Hadwiger 2005): where

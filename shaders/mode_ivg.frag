@@ -194,9 +194,9 @@ vec3 lookupPlace(vec3 surface, vec3 n, float cellsAlong)
 }
 
 #if FILTER == 0
-// Sums up the vertices around `at` that are before the surface and from which no wall hides it. Gives their
-// weight.
-float addCorners(vec3 at, vec3 surface, vec3 n)
+// Sums up the vertices around `at` that are before the surface and from which no wall hides it, where `mayLean` also
+// those behind that see a wall which faces them as the surface does. Gives their weight.
+float addCorners(vec3 at, vec3 surface, vec3 n, bool mayLean)
 {
     vec3 inside = clamp(at, vec3(0.0), vec3(cells));
     ivec3 cell = min(ivec3(inside), cells - 1);
@@ -212,7 +212,9 @@ float addCorners(vec3 at, vec3 surface, vec3 n)
         uvec4 seen = texelFetch(sight, vertex, 0);
         if (weight <= 0.0 || seen.w == 0u) continue;
         vec3 away = surface - vec3(vertex);
-        weight *= gridSide(away, side);
+        float before = gridSide(away, side);
+        if (mayLean) before = max(before, gridLean(away, seen.xyz, n));
+        weight *= before;
         weight *= gridSight(away, seen.xyz);
         if (weight <= 0.0) continue;
         known += weight;
@@ -224,8 +226,8 @@ float addCorners(vec3 at, vec3 surface, vec3 n)
 vec4 lookup(vec3 surface, vec3 n)
 {
     // in a gap or a corner, nearer vertices may be the only ones
-    if (addCorners(lookupPlace(surface, n, offset), surface, n) <= kLeastKnown &&
-        addCorners(surface, surface, n) <= 0.0)
+    if (addCorners(lookupPlace(surface, n, offset), surface, n, false) <= kLeastKnown &&
+        addCorners(surface, surface, n, true) <= 0.0)
         return vec4(0.0);
     return blended(surface, n);
 }

@@ -38,15 +38,26 @@ Scene darkNeighbour()
     return builder.finish();
 }
 
-/// Metres from a point on a wall of a box to the nearest other wall.
-float fromEdges(const Scene& box, const FacePoint& point)
+/// The same with walls of a fiftieth of a cell of 16, and between them a slot of a third of a cell.
+Scene darkSlot()
 {
-    const glm::vec3 gap = glm::min(point.position - box.bounds.low, box.bounds.high - point.position);
-    float least = box.bounds.longestSide();
-    for (int axis = 0; axis < 3; ++axis) {
-        if (std::abs(point.normal[axis]) < 0.5f) least = std::min(least, gap[axis]);
-    }
-    return least;
+    const float cell = 4.0f / 15.0f, wall = 0.02f * cell, slot = 0.33f * cell;
+    SceneBuilder builder("slot");
+    const int grey = builder.addMaterial("grey", glm::vec3(0.7f));
+    builder.add("Lit", boxMesh({-2.0f, -1.0f, -1.0f}, {-wall, 1.0f, 1.0f}, Facing::in), grey);
+    builder.add("Slot", boxMesh({0.0f, -1.0f, -1.0f}, {slot, 1.0f, 1.0f}, Facing::in), grey);
+    builder.add("Dark", boxMesh({slot + wall, -1.0f, -1.0f}, {2.0f, 1.0f, 1.0f}, Facing::in), grey);
+    builder.addPoint("Lamp", {-1.0f, 0.1f, 0.2f}, glm::vec3(100.0f));
+    builder.addPoint("Ember", {0.5f * slot, 0.1f, 0.2f}, glm::vec3(1e-6f)); // so that they are reached
+    builder.addPoint("Spark", {1.0f, 0.1f, 0.2f}, glm::vec3(1e-3f));
+    return builder.finish();
+}
+
+/// A normal tilted by up to 80 degrees.
+glm::vec3 tilted(glm::vec3 normal, Rng& rng)
+{
+    const auto [u1, u2] = rng.uniformPair();
+    return Frame(normal).toWorld(sampleCone(u1, u2, 0.17f));
 }
 
 } // namespace
@@ -84,28 +95,17 @@ private Q_SLOTS:
         QVERIFY2(baked.error.empty(), baked.error.c_str());
         Rng rng(1, hashName("normals"), 0);
         double worst = 0.0;
-        int unanswered = 0;
-        const float cell = scene->bounds.longestSide() / 3.0f; // of four, one is to spare
         RunningMean mean;
         for (const FacePoint& point : facePoints(*scene, 3000, 1)) {
-            const auto [u1, u2] = rng.uniformPair();
-            // surfaces that stand in the room there as well: tilted by up to 80 degrees
-            const glm::vec3 tilted = Frame(point.normal).toWorld(sampleCone(u1, u2, 0.17f));
-            for (const glm::vec3 n : {point.normal, tilted}) {
+            // by an edge of the room all that is before a tilted surface may lie in the other wall
+            for (const glm::vec3 n : {point.normal, tilted(point.normal, rng)}) {
                 glm::vec3 lux;
-                // by an edge of the room a surface may stand so that no vertex lies before it: gathers answer there
-                if (!baked.field->lookup(point.position, n, lux)) {
-                    QVERIFY(n != point.normal);
-                    QVERIFY(fromEdges(*scene, point) < 0.8f * cell);
-                    ++unanswered;
-                    continue;
-                }
+                QVERIFY(baked.field->lookup(point.position, n, lux));
                 worst = std::max(worst, std::abs(double(lux.x) - 1.0));
                 mean.add(double(lux.x));
             }
         }
-        qInfo("mean %.4f, worst off by %.4f, %d tilted without an answer", mean.mean(), worst, unanswered);
-        QVERIFY2(unanswered <= 240, qPrintable(QString::number(unanswered))); // 8 % of the tilted ones
+        qInfo("mean %.4f, worst off by %.4f", mean.mean(), worst);
         QVERIFY2(worst <= 0.02 && std::abs(mean.mean() - 1.0) <= 0.003, qPrintable(QString("off by %1").arg(worst)));
     }
 
@@ -131,6 +131,39 @@ private Q_SLOTS:
         qInfo("%.3f lx, %.5f lx", lit.mean(), dark.mean());
         QVERIFY(lit.count() > 1500 && dark.count() > 1500);
         QVERIFY2(dark.mean() <= 0.02 * lit.mean(), qPrintable(QString("leaks %1").arg(dark.mean() / lit.mean())));
+    }
+
+    void bentNormalsGetNoLightThroughSheets_data()
+    {
+        QTest::addColumn<double>("shift");
+        for (const double shift : {0.0, 0.25, 0.5, 0.75}) QTest::addRow("%g", shift) << shift;
+    }
+    void bentNormalsGetNoLightThroughSheets() // nor straight ones in a gap that has no vertex
+    {
+        QFETCH(double, shift);
+        const auto scene = share(darkSlot());
+        BakeParams p = gridParams(16, 200'000);
+        p.gridShift = float(shift);
+        const Baked baked = bakeGrid(scene, p);
+        QVERIFY2(baked.error.empty(), baked.error.c_str());
+        Rng rng(1, hashName("normals"), 0);
+        RunningMean lit, dark, slot;
+        float mostInSlot = 0.0f;
+        for (const FacePoint& point : facePoints(*scene, 12000, 1)) {
+            const float x = point.position.x + float(scene->origin.x);
+            const bool isSlot = x > -1e-3f && x < 0.09f;
+            // the slot's rim, within a tenth of a cell of the sheet, is not told from the room's (sight has that slack)
+            if (isSlot && std::abs(point.normal.x) < 0.5f) continue;
+            glm::vec3 lux;
+            if (!baked.field->lookup(point.position, isSlot ? point.normal : tilted(point.normal, rng), lux)) continue;
+            (isSlot ? slot : x < 0.0f ? lit : dark).add(double(lux.x));
+            if (isSlot) mostInSlot = std::max(mostInSlot, lux.x);
+        }
+        qInfo("%.3f lx, %.5f lx behind; %.5f lx (most %.3f) in %d answers of the slot", lit.mean(), dark.mean(),
+              slot.mean(), double(mostInSlot), int(slot.count()));
+        QVERIFY(lit.count() > 1500 && dark.count() > 1500);
+        QVERIFY2(dark.mean() <= 0.02 * lit.mean(), qPrintable(QString("leaks %1").arg(dark.mean() / lit.mean())));
+        QVERIFY(double(mostInSlot) <= 0.02 * lit.mean());
     }
 
     void lampsAddUp()

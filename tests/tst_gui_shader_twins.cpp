@@ -155,6 +155,18 @@ const Twin kTwins[] = {
          for (int i = 0; i < 3; ++i) seen *= sightInDouble(a[i], bits(double(std::abs(float(b[i])) * 65535.0f)));
          const double before = -dot(xyz(a), dvec3(0.3f, -0.4f, 1.2f)) / 1.3;
          return dvec4(seen, std::clamp(before / 0.1, 0.0, 1.0), 0, 0); }, -1, 1, false, 4e-6},
+    {"grid lean", "vec4(gridLean(a.xyz + 0.25, uvec3(abs(b.xyz) * 65535.0), b.zxy), 0.0, 0.0, 0.0)",
+     [](vec4 a, vec4 b) {
+         const glm::uvec3 sight(bits(std::abs(b.x) * 65535.0f), bits(std::abs(b.y) * 65535.0f), bits(std::abs(b.z) * 65535.0f));
+         return vec4(shader::gridLean(xyz(a) + 0.25f, sight, vec3(b.z, b.x, b.y)), 0, 0, 0); },
+     [](dvec4 a, dvec4 b) {
+         double most = 0.0;
+         for (int i = 0; i < 3; ++i) {
+             const bool isUp = float(a[i]) + 0.25f > 0.0f;
+             const unsigned sight = bits(double(std::abs(float(b[i])) * 65535.0f));
+             if ((isUp ? sight / 256 : sight % 256) < 255) most = std::max(most, (isUp ? -1.0 : 1.0) * b[(i + 2) % 3]);
+         }
+         return dvec4(0.01 * std::min(most / 0.1, 1.0), 0, 0, 0); }, -1, 1},
     {"spline reads", "gridSplineReads(a.x)",
      [](vec4 a, vec4) { return shader::gridSplineReads(a.x); },
      [](dvec4 a, dvec4) {

@@ -6,8 +6,10 @@
 namespace lightloom {
 namespace {
 
-constexpr float kBefore = 0.1f; ///< cells before a surface within which a vertex counts in part
-constexpr float kSlack = 0.05f; ///< cells, for walls that are not quite parallel to an axis
+constexpr float kBefore = 0.1f;  ///< cells before a surface within which a vertex counts in part
+constexpr float kSlack = 0.05f;  ///< cells, for walls that are not quite parallel to an axis
+constexpr float kBehind = 0.01f; ///< of what counts before a surface: where there is any, it decides
+constexpr float kLean = 0.1f;    ///< of a normal along an axis that is enough to face a wall's side
 
 /// 1 below -width, 0 above it.
 float fade(float excess, float width) { return glm::clamp(0.5f - 0.5f * excess / width, 0.0f, 1.0f); }
@@ -45,7 +47,8 @@ glm::vec3 lookupPlace(const GridLattice& lattice, glm::vec3 p, glm::vec3 n, floa
     return lattice.toGrid(p) + inGrid * (offset / glm::length(inGrid));
 }
 
-void trilinearCorners(const GridGeometry& geometry, glm::vec3 at, glm::vec3 p, glm::vec3 n, GridCorners& corners)
+void trilinearCorners(const GridGeometry& geometry, glm::vec3 at, glm::vec3 p, glm::vec3 n, CornerSide allowed,
+                      GridCorners& corners)
 {
     const GridLattice& lattice = geometry.lattice;
     const GridOpenness& openness = geometry.openness;
@@ -61,14 +64,16 @@ void trilinearCorners(const GridGeometry& geometry, glm::vec3 at, glm::vec3 p, g
         const glm::vec3 away = surface - glm::vec3(vertex);
         // both tests fade, or light would jump where a surface that runs aslant loses one vertex after the other
         float seen = glm::clamp(-glm::dot(away, side) / (glm::length(side) * kBefore), 0.0f, 1.0f);
+        float lean = 0.0f, sees = 1.0f;
         for (int axis = 0; axis < 3; ++axis) {
-            const std::size_t way = static_cast<std::size_t>(2 * axis + (away[axis] > 0.0f ? 1 : 0));
-            const int sight = openness.sight[index][way];
-            if (sight < 255)
-                seen *=
-                    fade(std::abs(away[axis]) - static_cast<float>(sight) / GridOpenness::kSightUnits - kSlack, kSlack);
+            const bool isUp = away[axis] > 0.0f;
+            const int sight = openness.sight[index][static_cast<std::size_t>(2 * axis + (isUp ? 1 : 0))];
+            if (sight == 255) continue;
+            sees *= fade(std::abs(away[axis]) - static_cast<float>(sight) / GridOpenness::kSightUnits - kSlack, kSlack);
+            lean = std::max(lean, isUp ? -n[axis] : n[axis]);
         }
-        if (seen > 0.0f) corners.add(index, weight * seen);
+        if (allowed == CornerSide::leaning) seen = std::max(seen, kBehind * std::min(lean / kLean, 1.0f));
+        if (seen * sees > 0.0f) corners.add(index, weight * seen * sees);
     }
 }
 

@@ -28,10 +28,20 @@ private:
 /// coordinates.
 [[nodiscard]] glm::vec3 lookupPlace(const GridLattice& lattice, glm::vec3 p, glm::vec3 n, float offset);
 
+/// Which vertices may light a surface.
+enum class CornerSide {
+    before, ///< those before it
+    leaning ///< to a hundredth also those behind it that see, along an axis, a wall which faces them as the surface
+            ///< does
+};
+
 /// Of the eight vertices around grid coordinates `at` (moved into the grid), with trilinear weights, those in the open,
-/// before the surface at `p` that faces `n` (unit), and from which no wall
-/// hides it along any axis; both fade.
-void trilinearCorners(const GridGeometry& geometry, glm::vec3 at, glm::vec3 p, glm::vec3 n, GridCorners& corners);
+/// on that side of the surface at `p` that faces `n` (unit), and from which no wall hides it along any axis; all fade.
+///
+/// `leaning` is for normals that are bent towards another wall, by a map or by smooth shading: all that is before them
+/// may lie in it. Through a flat sheet it lets nothing: from its other side it faces the vertices along no axis.
+void trilinearCorners(const GridGeometry& geometry, glm::vec3 at, glm::vec3 p, glm::vec3 n, CornerSide side,
+                      GridCorners& corners);
 
 /// The 64 vertices around `at`, cubic B-spline weights (never negative, they smooth) or Catmull-Rom's (they pass
 /// through the values). Beyond the border its vertices count again. Behind walls too: who looks weighs by what is open.

@@ -183,11 +183,13 @@ bool IrradianceGrid::find(glm::vec3 p, glm::vec3 n, GridCorners& corners) const
     }
     struct Try {
         float offset, leastKnown;
+        CornerSide side;
     };
     // in a gap or a corner, nearer vertices may be the only ones
-    for (const auto [offset, leastKnown] : {Try{show_.offset, kLeastKnown}, Try{0.0f, 0.0f}}) {
+    for (const auto [offset, leastKnown, side] :
+         {Try{show_.offset, kLeastKnown, CornerSide::before}, Try{0.0f, 0.0f, CornerSide::leaning}}) {
         corners.clear();
-        trilinearCorners(*geometry_, lookupPlace(lattice, p, n, offset), p, n, corners);
+        trilinearCorners(*geometry_, lookupPlace(lattice, p, n, offset), p, n, side, corners);
         float known = 0.0f;
         for (const GridCorner& c : corners) {
             float most = 0.0f;
