@@ -178,8 +178,8 @@ private Q_SLOTS:
     {
         QTest::addColumn<QString>("name");
         QTest::addColumn<int>("cells");
-        for (const char* name : {"cornell", "two_rooms", "atrium"}) {
-            for (const int cells : {2, 16, 33}) QTest::addRow("%s %d", name, cells) << name << cells;
+        for (const QString name : {"cornell", "two_rooms", "atrium"}) {
+            for (const int cells : {2, 16, 33}) QTest::addRow("%s %d", qPrintable(name), cells) << name << cells;
         }
     }
     void noPlaneLiesOnAWall()
