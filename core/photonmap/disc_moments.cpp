@@ -39,36 +39,34 @@ using Longs4 = std::int64_t __attribute__((vector_size(32)));
     out = cosine < 0.0 ? std::numbers::pi - angle : angle;
 }
 
-/// Corners of a polygon one after the other: edge i goes from place i to the next; the last ones, up to a group of
-/// four, go nowhere.
-struct Ring {
-    static constexpr std::size_t kMost = kMostCorners + 4;
-    double x[kMost], y[kMost];
-    std::size_t edges;
-
-    Ring(std::span<const glm::dvec2> corners, double radius) : edges(corners.size())
-    {
-        const double near = 1e-12 * radius; // at the origin itself a corner has no direction
-        for (std::size_t i = 0; i <= corners.size(); ++i) {
-            const glm::dvec2 corner = corners[i > 0 ? i - 1 : corners.size() - 1];
-            const bool isThere = glm::dot(corner, corner) > near * near;
-            x[i] = isThere ? corner.x : near, y[i] = isThere ? corner.y : 0.0;
-        }
-        for (std::size_t i = edges; i % 4 != 0; ++i) x[i + 1] = x[i], y[i + 1] = y[i];
-    }
-};
+/// Four corners from the one numbered `first` on, the last one again where there are no more. One at the origin is
+/// taken to lie a little beside it: there it has no direction.
+[[gnu::always_inline]] inline void fourCorners(std::span<const glm::dvec2> corners, std::size_t first, double radius,
+                                               Doubles4& x, Doubles4& y)
+{
+    const std::size_t last = corners.size() - 1;
+    const glm::dvec2 &a = corners[std::min(first, last)], &b = corners[std::min(first + 1, last)],
+                     &c = corners[std::min(first + 2, last)], &d = corners[std::min(first + 3, last)];
+    x = Doubles4{a.x, b.x, c.x, d.x}, y = Doubles4{a.y, b.y, c.y, d.y};
+    const Doubles4 zero{}, near = zero + 1e-12 * radius;
+    const Longs4 isThere = x * x + y * y > near * near;
+    x = isThere ? x : near, y = isThere ? y : zero;
+}
 
 /// What edges take from the disc, four at a time, added to area, first x and y, xx, xy, yy of `sums`: the triangle
 /// (origin, a, b) within it less the sector, signed; nothing where an edge from a to b does not meet it. Gives how
 /// often the edges turn around the origin.
-LIGHTLOOM_WIDE_VECTORS std::int64_t takenByEdges(const Ring& ring, double r, double* sums)
+LIGHTLOOM_WIDE_VECTORS std::int64_t takenByEdges(std::span<const glm::dvec2> corners, double r, double* sums)
 {
+    Doubles4 ax, ay, bx, by; // edges go from a to b
+    fourCorners(corners, corners.size() - 1, r, bx, by);
     Longs4 turns{};
     Doubles4 all[6] = {};
-    for (std::size_t i = 0; i < ring.edges; i += 4) {
-        const auto four = [](const double* values) -> const auto& { return lanesOf<Doubles4>(values, 0); };
-        const Doubles4 ax = four(ring.x + i), ay = four(ring.y + i), bx = four(ring.x + i + 1),
-                       by = four(ring.y + i + 1);
+    for (std::size_t i = 0; i < corners.size(); i += 4) {
+        const Doubles4 beforeX = bx, beforeY = by;
+        fourCorners(corners, i, r, bx, by);
+        ax = __builtin_shuffle(beforeX, bx, Longs4{3, 4, 5, 6}),
+        ay = __builtin_shuffle(beforeY, by, Longs4{3, 4, 5, 6});
         // how often the way from a to b turns around the origin, by where it crosses the x axis right of it: exactly
         // the angles that sectors are given, summed over the polygon, whatever rounding says of an edge through the
         // origin. What lies on the axis counts as below it
@@ -141,10 +139,10 @@ AreaMoments momentsOfDisc(double radius)
 
 AreaMoments momentsInDisc(std::span<const glm::dvec2> corners, double radius)
 {
-    assert(!corners.empty() && corners.size() <= kMostCorners);
+    assert(!corners.empty());
     // sectors of all edges together are the disc, or nothing if it lies outside: only edges that meet it count
     std::array<double, 6> m;
-    const std::int64_t turns = takenByEdges(Ring(corners, radius), radius, m.data());
+    const std::int64_t turns = takenByEdges(corners, radius, m.data());
     AreaMoments sum{m[0], {m[1], m[2]}, m[3], m[4], m[5]};
     if (turns != 0) sum += momentsOfDisc(radius).scaled(static_cast<double>(turns));
     return sum.area > 0.0 ? sum : AreaMoments{}; // rounding

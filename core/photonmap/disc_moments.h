@@ -28,10 +28,7 @@ struct AreaMoments {
 /// Of the whole disc around the origin.
 [[nodiscard]] AreaMoments momentsOfDisc(double radius);
 
-inline constexpr std::size_t kMostCorners = 12;
-
-/// Of the part of a convex polygon (corners counter-clockwise, at most kMostCorners) within `radius` of the origin;
-/// exact.
+/// Of the part of a convex polygon (corners counter-clockwise) within `radius` of the origin; exact.
 [[nodiscard]] AreaMoments momentsInDisc(std::span<const glm::dvec2> corners, double radius);
 
 } // namespace lightloom

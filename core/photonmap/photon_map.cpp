@@ -130,6 +130,20 @@ std::size_t PhotonMap::memoryBytes() const
            paths_.photons.size() * (sizeof(Photon) + sizeof(std::uint32_t));
 }
 
+namespace {
+
+constexpr std::size_t kAhead = 2; ///< blocks that are asked for before they are scanned: they lie far apart in memory
+
+template<class Element>
+void fetch(const Element* first, std::size_t count)
+{
+    const auto begin = reinterpret_cast<std::uintptr_t>(first);
+    for (std::uintptr_t line = 0; line < count * sizeof(Element); line += 64)
+        __builtin_prefetch(reinterpret_cast<const void*>(begin + line)); // past the end of an array it does nothing
+}
+
+} // namespace
+
 /// State of one query. Distances are measured from `centre` with those along `normal` stretched.
 struct PhotonMap::Search {
     float centre[3], normal[3];
@@ -191,7 +205,9 @@ LIGHTLOOM_WIDE_VECTORS std::size_t PhotonMap::addBlock(const Search& search, con
 
 void PhotonMap::scan(Search& search, std::uint32_t number) const
 {
-    search.found += addBlock(search, blocks_[number], number * kBlock);
+    const std::size_t added = addBlock(search, blocks_[number], number * kBlock);
+    search.found += added;
+    if (added > 0) fetch(&paths_.photons[std::size_t(number) * kBlock], kBlock); // whoever gathers looks at them next
     if (search.found + kBlock > search.room) search.thin();
 }
 
@@ -209,8 +225,9 @@ void PhotonMap::collect(Search& search, BoxGroups::Near& near) const
         search.found = 0;
         blocks = boxes_.within(centre, search.limit, near);
     }
-    for (const std::uint64_t key : blocks) {
-        if (squaredOf(key) <= search.limit) scan(search, static_cast<std::uint32_t>(key));
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+        if (i + kAhead < blocks.size()) fetch(&blocks_[static_cast<std::uint32_t>(blocks[i + kAhead])], 1);
+        if (squaredOf(blocks[i]) <= search.limit) scan(search, static_cast<std::uint32_t>(blocks[i]));
     }
 }
 
@@ -254,9 +271,6 @@ void PhotonMap::gather(const GatherQuery& query, Gathered& out) const
     out.photons.resize(search.found);
     for (std::size_t i = 0; i < search.found; ++i) {
         out.photons[i] = static_cast<std::uint32_t>(out.keys[i]);
-        const Photon& photon = paths_.photons[out.photons[i]]; // whoever gathers looks at them next
-        __builtin_prefetch(&photon);
-        __builtin_prefetch(reinterpret_cast<const char*>(&photon + 1) - 1); // most lie across two cache lines
     }
 }
 

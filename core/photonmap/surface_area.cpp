@@ -37,7 +37,6 @@ public:
     /// A convex flat polygon, counted `times`.
     void add(std::span<const glm::dvec3> corners, double times)
     {
-        static_assert(FacetPart::kMost <= kMostCorners);
         assert(corners.size() <= FacetPart::kMost);
         if (corners.empty()) return;
         // stretching along the normal turns the ellipsoid into a ball; tangential coordinates stay

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/trace/ray_scene.h"
 #include "core/base/units.h"
+#include "core/base/wide_vectors.h"
 #include "core/trace/embree_options.h"
 #include "core/trace/material.h"
 #include <cmath>
@@ -271,32 +272,48 @@ bool RayScene::intersect(glm::vec3 origin, glm::vec3 travel, float most, Hit& hi
     return true;
 }
 
+namespace {
+
+/// Whole vectors are written: narrower ones would still be on their way to memory when Embree reads wide ones.
+LIGHTLOOM_WIDE_VECTORS void prepare(const Rays8& rays, std::size_t count, RTCRayHit8& query, int* valid)
+{
+    const Floats8 zero{};
+    const Ints8 none{}, all = none - 1;
+    Floats8 sum = zero;
+    float* const origin[] = {query.ray.org_x, query.ray.org_y, query.ray.org_z};
+    float* const travel[] = {query.ray.dir_x, query.ray.dir_y, query.ray.dir_z};
+    for (int axis = 0; axis < 3; ++axis) {
+        const Floats8 o = lanesOf<Floats8>(rays.origin[axis], 0), d = lanesOf<Floats8>(rays.travel[axis], 0);
+        lanesOf<Floats8>(origin[axis], 0) = o, lanesOf<Floats8>(travel[axis], 0) = d;
+        sum += o + d;
+    }
+    const Ints8 lane{0, 1, 2, 3, 4, 5, 6, 7};
+    const Ints8 isValid = (sum * 0.0f == 0.0f) & (lane < static_cast<int>(count)); // NaN unless all are finite
+    lanesOf<Ints8>(valid, 0) = isValid;
+    lanesOf<Floats8>(query.ray.tnear, 0) = lanesOf<Floats8>(query.ray.time, 0) = zero;
+    lanesOf<Floats8>(query.ray.tfar, 0) = isValid ? zero + std::numeric_limits<float>::infinity() : zero - 1.0f;
+    lanesOf<Ints8>(query.ray.mask, 0) = all;
+    lanesOf<Ints8>(query.ray.id, 0) = lanesOf<Ints8>(query.ray.flags, 0) = none;
+    static_assert(RTC_INVALID_GEOMETRY_ID == ~0u);
+    lanesOf<Ints8>(query.hit.geomID, 0) = lanesOf<Ints8>(query.hit.instID[0], 0) = all;
+}
+
+} // namespace
+
 void RayScene::intersect(const Rays8& rays, std::size_t count, Met8& met) const
 {
-    constexpr std::size_t n = Rays8::kCount;
-    static_assert(n == 8);
-    alignas(32) std::array<int, n> valid;
+    static_assert(Rays8::kCount == kLanes);
+    alignas(32) std::array<int, kLanes> valid;
     RTCRayHit8 query;
-    const auto& [ox, oy, oz] = rays.origin;
-    const auto& [dx, dy, dz] = rays.travel;
-    for (std::size_t i = 0; i < n; ++i) {
-        query.ray.org_x[i] = ox[i], query.ray.org_y[i] = oy[i], query.ray.org_z[i] = oz[i];
-        query.ray.dir_x[i] = dx[i], query.ray.dir_y[i] = dy[i], query.ray.dir_z[i] = dz[i];
-        const float zero = (ox[i] + oy[i] + oz[i] + dx[i] + dy[i] + dz[i]) * 0.0f; // NaN unless all are finite
-        valid[i] = zero == 0.0f && i < count ? -1 : 0;
-        query.ray.tnear[i] = query.ray.time[i] = 0.0f;
-        query.ray.tfar[i] = valid[i] != 0 ? std::numeric_limits<float>::infinity() : -1.0f;
-        query.ray.mask[i] = 0xFFFFFFFFu;
-        query.ray.id[i] = query.ray.flags[i] = 0;
-        query.hit.geomID[i] = query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
-    }
+    prepare(rays, count, query, valid.data());
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     rtcIntersect8(valid.data(), state_->tree.get(), &context, &query);
+    std::ranges::copy(query.hit.u, met.u);
+    std::ranges::copy(query.hit.v, met.v);
+    std::ranges::copy(query.ray.tfar, met.distance);
     const std::uint32_t* firstTriangle = state_->firstTriangle.data();
-    for (std::size_t i = 0; i < n; ++i) {
-        met.u[i] = query.hit.u[i], met.v[i] = query.hit.v[i];
-        met.distance[i] = query.ray.tfar[i];
+    for (std::size_t i = 0; i < kLanes; ++i) {
         const unsigned geometry = query.hit.geomID[i], place = query.hit.instID[0][i];
         met.triangle[i] = Met8::kNothing;
         if (geometry == RTC_INVALID_GEOMETRY_ID) continue;
