@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "core/octree/light_octree.h"
-#include "core/trace/cell_clip.h"
+#include "core/trace/cell_orientations.h"
 #include "core/trace/light_reach.h"
 
 namespace lightloom {
@@ -16,7 +16,6 @@ namespace lightloom {
                                                           const LightReach& reach, Workers& workers,
                                                           const std::stop_token& stop);
 
-inline constexpr float kSameOrientation = 0.6f; ///< cosine within which pieces share an entry
-inline constexpr std::size_t kMostEntries = 32; ///< per leaf; further orientations join the nearest (a texel has room)
+inline constexpr std::size_t kMostEntries = kMostOrientations; ///< per leaf (a texel has room)
 
 } // namespace lightloom

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "core/trace/cell_orientations.h"
+#include "core/trace/light_reach.h"
+
+namespace lightloom {
+
+inline constexpr int kMostVoxels = 1024; ///< along a side
+
+/// `cells` cubic cells along the longest side of a scene's bound, padded by a thousandth. The lattice may reach
+/// further: its side is a power of two, which the clipping wants. A `shift` of part of a cell moves it towards the low
+/// corner along all axes, with cells larger by 1 / (cells - 1), so that the first `cells` still cover the scene.
+[[nodiscard]] CellLattice voxelLattice(const Bounds& bounds, int cells, float shift);
+
+/// The cells that surface passes through (Chatelier and Malgouyres 2006), each with one entry per orientation of the
+/// surface inside, exactly clipped. Voxel v owns entries [firstEntry[v], firstEntry[v + 1]), largest first; entry e is
+/// made of pieces [firstPiece[e], firstPiece[e + 1]).
+struct SurfaceVoxels {
+    CellLattice lattice;
+    int cells = 0;                  ///< along each side, at most kMostVoxels: all voxels lie within
+    std::vector<glm::ivec3> voxels; ///< cells, in the order of their Morton codes
+    std::vector<std::uint32_t> firstEntry;
+    std::vector<Orientation> entries;
+    std::vector<std::uint32_t> firstPiece;
+    std::vector<CellPiece> pieces; ///< facets count in the reach that they were built from
+    [[nodiscard]] float cellSize() const { return lattice.cellSize(); }
+    [[nodiscard]] std::size_t memoryBytes() const;
+};
+
+/// Of the surface that light can reach: what it cannot reach neither gives nor takes any. `cells` from 1 to
+/// kMostVoxels. The same on any number of threads. Null: stopped.
+[[nodiscard]] std::shared_ptr<const SurfaceVoxels> voxelise(const Bounds& bounds, const LightReach& reach, int cells,
+                                                            float shift, Workers& workers, const std::stop_token& stop);
+
+} // namespace lightloom
