@@ -5,7 +5,6 @@
 namespace lightloom {
 namespace {
 
-constexpr float kGrazing = 1e-4f; ///< cosine below which a surface is along the line, neither facing it nor in its way
 constexpr std::int32_t kSameWall = 2; ///< slices
 
 /// Above 0: `at` lies before the entry's plane, in cells.
@@ -24,12 +23,12 @@ LinePartners::Faces LinePartners::facesOf(std::uint32_t voxel, glm::vec3 along) 
     for (std::uint32_t e = first; e < end; ++e) {
         const Orientation& entry = voxels_.entries[e];
         const float cosine = glm::dot(entry.normal, along);
-        faces.back |= cosine < -kGrazing;
-        if (!(cosine > kGrazing)) continue;
+        faces.back |= cosine < -kAlongSurface;
+        if (!(cosine > kAlongSurface)) continue;
         faces.forth = true;
         for (std::uint32_t o = first; o < end && !faces.areConcave; ++o) {
             const Orientation& other = voxels_.entries[o];
-            faces.areConcave = glm::dot(other.normal, along) < -kGrazing &&
+            faces.areConcave = glm::dot(other.normal, along) < -kAlongSurface &&
                                before(entry, other.centroid, voxels_.cellSize()) > kApart &&
                                before(other, entry.centroid, voxels_.cellSize()) > kApart;
         }
@@ -43,7 +42,7 @@ std::uint32_t LinePartners::pick(std::uint32_t voxel, glm::vec3 towards) const
     const std::uint32_t first = voxels_.firstEntry[voxel], end = voxels_.firstEntry[voxel + 1];
     const auto seen = [&](std::uint32_t e) {
         const float cosine = glm::dot(voxels_.entries[e].normal, towards);
-        return cosine > kGrazing ? voxels_.entries[e].area * cosine : 0.0f;
+        return cosine > kAlongSurface ? voxels_.entries[e].area * cosine : 0.0f;
     };
     float all = 0.0f;
     std::uint32_t last = kNothing, count = 0;
@@ -61,7 +60,7 @@ std::uint32_t LinePartners::pick(std::uint32_t voxel, glm::vec3 towards) const
 void LinePartners::wait(Line& line, std::uint32_t voxel, glm::vec3 along)
 {
     for (std::uint32_t e = voxels_.firstEntry[voxel]; e < voxels_.firstEntry[voxel + 1]; ++e) {
-        if (!(glm::dot(voxels_.entries[e].normal, along) > kGrazing)) continue;
+        if (!(glm::dot(voxels_.entries[e].normal, along) > kAlongSurface)) continue;
         nextWaiting_[e] = line.firstWaiting;
         line.firstWaiting = e;
     }
@@ -82,11 +81,11 @@ void LinePartners::close(Line& line, std::uint32_t voxel, std::int32_t slice, gl
     if (line.emitter == kNothing) return;
     const std::uint32_t seen = pick(line.emitter, along);
     for (std::uint32_t e = voxels_.firstEntry[voxel]; e < voxels_.firstEntry[voxel + 1]; ++e) {
-        if (glm::dot(voxels_.entries[e].normal, along) < -kGrazing) partners_[e] = seen;
+        if (glm::dot(voxels_.entries[e].normal, along) < -kAlongSurface) partners_[e] = seen;
     }
 }
 
-std::span<const std::uint32_t> LinePartners::find(const LineDirection& direction, std::uint32_t number)
+std::span<std::uint32_t> LinePartners::find(const LineDirection& direction, std::uint32_t number)
 {
     number_ = number;
     const LineNumbers numbers(direction, voxels_.cells);

@@ -4,6 +4,8 @@
 
 namespace lightloom {
 
+inline constexpr float kAlongSurface = 1e-4f; ///< cosine below which a line neither meets a surface nor leaves it
+
 /// What the surface sees along discrete lines of one direction, both ways in one pass, O(voxels). An entry that faces
 /// along +direction looks that way, one that faces along -direction the other way: each has one partner, the entry that
 /// it takes light from, or none.
@@ -21,7 +23,7 @@ public:
     LinePartners(const SurfaceVoxels& voxels, const VoxelOrders& orders) : voxels_(voxels), orders_(orders) {}
 
     /// Partners by entry, valid until the next call. `number` of the direction: draws depend on it and the voxel alone.
-    std::span<const std::uint32_t> find(const LineDirection& direction, std::uint32_t number);
+    std::span<std::uint32_t> find(const LineDirection& direction, std::uint32_t number);
 
 private:
     struct Line {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/transport/surface_voxels.h"
+#include <algorithm>
 #include <bit>
 #include <cassert>
 
@@ -40,6 +41,19 @@ private:
     std::vector<std::size_t> numbers_; // of the pieces' orientations
 };
 
+/// How far surface is moved out of itself, in cells: a wall in a plane between cells then lies in those before it, as
+/// the walls do that it meets. Else light from its corners would not find these.
+constexpr float kMovedOut = 1e-3f;
+
+std::vector<ReachedFacet> movedOut(std::vector<ReachedFacet> facets, float cell)
+{
+    for (ReachedFacet& f : facets) {
+        const glm::vec3 way = kMovedOut * cell * f.normal;
+        f.a += way, f.b += way, f.c += way;
+    }
+    return facets;
+}
+
 } // namespace
 
 CellLattice voxelLattice(const Bounds& bounds, int cells, float shift)
@@ -55,6 +69,17 @@ CellLattice voxelLattice(const Bounds& bounds, int cells, float shift)
     return lattice;
 }
 
+std::size_t SurfaceVoxels::voxelAt(glm::vec3 p, glm::vec3 normal) const
+{
+    const glm::vec3 place = (p - lattice.lowest) / cellSize() + kMovedOut * normal;
+    const glm::ivec3 cell = glm::clamp(glm::ivec3(glm::floor(place)), 0, cells - 1);
+    const std::uint64_t code = mortonCode(glm::uvec3(cell));
+    const auto codeOf = [](glm::ivec3 voxel) { return mortonCode(glm::uvec3(voxel)); };
+    const auto found = std::ranges::lower_bound(voxels, code, {}, codeOf);
+    const bool isThere = found != voxels.end() && *found == cell;
+    return isThere ? static_cast<std::size_t>(found - voxels.begin()) : voxels.size();
+}
+
 std::size_t SurfaceVoxels::memoryBytes() const
 {
     return voxels.size() * sizeof(glm::ivec3) + entries.size() * sizeof(Orientation) +
@@ -67,7 +92,7 @@ std::shared_ptr<const SurfaceVoxels> voxelise(const Bounds& bounds, const LightR
     const auto out = std::make_shared<SurfaceVoxels>();
     out->lattice = voxelLattice(bounds, cells, shift);
     out->cells = cells;
-    const CellPieces clipped = clipToCells(reach.facets(), out->lattice, workers, stop);
+    const CellPieces clipped = clipToCells(movedOut(reach.facets(), out->cellSize()), out->lattice, workers, stop);
     if (!clipped.complete) return nullptr;
     VoxelBuilder builder(reach.facets(), *out);
     const std::span<const CellPiece> pieces = clipped.pieces;

@@ -17,9 +17,9 @@ struct Part {
 
 class Bouncer {
 public:
-    Bouncer(const SurfaceVoxels& voxels, const VoxelOrders& orders, int channels, int directions, Workers& workers,
-            const std::stop_token& stop)
-        : voxels_(voxels), orders_(orders), channels_(static_cast<std::size_t>(channels)),
+    Bouncer(const RayScene& rays, const SurfaceVoxels& voxels, const VoxelOrders& orders, int channels, int directions,
+            Workers& workers, const std::stop_token& stop)
+        : voxels_(voxels), orders_(orders), exact_(rays, voxels), channels_(static_cast<std::size_t>(channels)),
           directions_(directionSet(directions)), workers_(workers), stop_(stop)
     {
     }
@@ -46,7 +46,8 @@ private:
         part.cosines.assign(entries.size(), 0.0f);
         LinePartners lines(voxels_, orders_);
         for (std::size_t d = first; d < end && !stop_.stop_requested(); ++d) {
-            const auto partners = lines.find(directions_[d], static_cast<std::uint32_t>(d));
+            const std::span<std::uint32_t> partners = lines.find(directions_[d], static_cast<std::uint32_t>(d));
+            exact_.complete(directions_[d], partners);
             for (std::size_t e = 0; e < entries.size(); ++e) {
                 const float cosine = glm::abs(glm::dot(entries[e].normal, directions_[d].unit));
                 part.cosines[e] += cosine;
@@ -75,6 +76,7 @@ private:
 
     const SurfaceVoxels& voxels_;
     const VoxelOrders& orders_;
+    ExactPartners exact_;
     std::size_t channels_;
     std::vector<LineDirection> directions_;
     Workers& workers_;
@@ -94,13 +96,13 @@ std::vector<double> lumenOf(const SurfaceVoxels& voxels, const std::vector<float
 
 } // namespace
 
-EntryValues bounceLight(const SurfaceVoxels& voxels, const VoxelOrders& orders, const EntryValues& radiosity,
-                        std::span<const glm::vec3> albedo, const BounceParams& params, Workers& workers,
-                        const std::stop_token& stop, int* bounces)
+EntryValues bounceLight(const RayScene& rays, const SurfaceVoxels& voxels, const VoxelOrders& orders,
+                        const EntryValues& radiosity, std::span<const glm::vec3> albedo, const BounceParams& params,
+                        Workers& workers, const std::stop_token& stop, int* bounces)
 {
     assert(radiosity.entries() == voxels.entries.size() && albedo.size() == voxels.entries.size());
     const auto channels = static_cast<std::size_t>(radiosity.channels);
-    Bouncer bouncer(voxels, orders, radiosity.channels, params.directions, workers, stop);
+    Bouncer bouncer(rays, voxels, orders, radiosity.channels, params.directions, workers, stop);
     EntryValues all{radiosity.channels, std::vector<float>(radiosity.values.size(), 0.0f)};
     std::vector<float> leaving = radiosity.values, lux;
     std::vector<double> sum((channels + 2) / 3, 0.0), before;

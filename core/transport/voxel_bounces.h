@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "core/transport/line_partners.h"
+#include "core/transport/exact_partners.h"
 
 namespace lightloom {
 
@@ -22,8 +22,9 @@ struct BounceParams {
 /// it). `radiosity`: lm/m2 that leave each entry at first, reflected or emitted; `albedo`: red, green and blue of each.
 /// Gives the illuminance (lux) that arrives with this light and all it becomes. What an entry receives is divided by
 /// the sum of cosines of all directions that it could have come from, those where nothing was found too. O(directions x
-/// entries). The same bits on any number of threads. Empty: stopped. `bounces`, where given: how many there were.
-[[nodiscard]] EntryValues bounceLight(const SurfaceVoxels& voxels, const VoxelOrders& orders,
+/// entries). `rays` of the same scene look where lines lose their way (ExactPartners). The same bits on any number of
+/// threads. Empty: stopped. `bounces`, where given: how many there were.
+[[nodiscard]] EntryValues bounceLight(const RayScene& rays, const SurfaceVoxels& voxels, const VoxelOrders& orders,
                                       const EntryValues& radiosity, std::span<const glm::vec3> albedo,
                                       const BounceParams& params, Workers& workers, const std::stop_token& stop,
                                       int* bounces = nullptr);

@@ -1,0 +1,324 @@
+// SPDX-License-Identifier: Apache-2.0
+// Claims: directions are nested, distinct and even; every voxel is on exactly one discrete line per direction, which no
+// number leaves; what entries see along lines is what looking through each line one by one says; corners that are open
+// inwards, sheets and walls several voxels thick along a line do what surface does; voxels hold the reached surface.
+#include "core/base/rng.h"
+#include "core/scene/analytic_scenes.h"
+#include "core/scene/sample_scenes.h"
+#include "core/transport/line_partners.h"
+#include <QtTest>
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <set>
+#include <tuple>
+
+using namespace lightloom;
+
+namespace {
+
+/// All directions with components up to `most`, each once: those of every octant and every order of axes.
+std::vector<LineDirection> allDirections(int most)
+{
+    std::vector<LineDirection> lines;
+    std::set<std::tuple<int, int, int>> seen;
+    for (int x = -most; x <= most; ++x) {
+        for (int y = -most; y <= most; ++y) {
+            for (int z = -most; z <= most; ++z) {
+                if (std::gcd(std::gcd(x, y), z) != 1) continue;
+                const LineDirection line = lineAlong({x, y, z});
+                if (seen.insert({line.step.x, line.step.y, line.step.z}).second) lines.push_back(line);
+            }
+        }
+    }
+    return lines;
+}
+
+/// Voxels by hand: a cell and the orientations in it.
+class HandMade {
+public:
+    explicit HandMade(int cells)
+    {
+        voxels_.cells = cells;
+        voxels_.lattice.depth = 5;
+        voxels_.lattice.rootSize = 32.0f; // cells of one metre
+    }
+    void add(glm::ivec3 cell, const std::vector<Orientation>& entries)
+    {
+        voxels_.voxels.push_back(cell);
+        voxels_.firstEntry.push_back(static_cast<std::uint32_t>(voxels_.entries.size()));
+        voxels_.entries.insert(voxels_.entries.end(), entries.begin(), entries.end());
+    }
+    void add(glm::ivec3 cell, glm::vec3 normal) { add(cell, {{glm::vec3(cell) + 0.5f, normal, 1.0f}}); }
+    SurfaceVoxels finish()
+    {
+        voxels_.firstEntry.push_back(static_cast<std::uint32_t>(voxels_.entries.size()));
+        return voxels_;
+    }
+
+private:
+    SurfaceVoxels voxels_;
+};
+
+/// Along none of the directions: rounding would decide what such a surface faces.
+glm::vec3 anyNormal(Rng& rng, const std::vector<LineDirection>& directions)
+{
+    while (true) {
+        const glm::vec3 n = glm::vec3(rng.uniform(), rng.uniform(), rng.uniform()) * 2.0f - 1.0f;
+        const float length = glm::length(n);
+        const auto isAlong = [&](const LineDirection& d) { return std::abs(glm::dot(n, d.unit)) <= 1e-3f * length; };
+        if (length > 0.01f && std::ranges::none_of(directions, isAlong)) return n / length;
+    }
+}
+
+/// Line of a cell by the formula, in exact arithmetic: floor(p / q) for q > 0.
+std::pair<int, int> lineOf(glm::ivec3 cell, const LineDirection& d)
+{
+    const auto floorOf = [](int p, int q) { return p >= 0 ? p / q : -((-p + q - 1) / q); };
+    const int k = d.major, a = d.step[k], x = cell[k];
+    const auto aside = [&](int axis) { return floorOf(-2 * d.step[axis] * x + a, 2 * a); };
+    return {cell[(k + 1) % 3] + aside((k + 1) % 3), cell[(k + 2) % 3] + aside((k + 2) % 3)};
+}
+
+/// Partners of voxels with one entry each, line by line: what waits is seen by the first that faces back, and so on.
+std::vector<std::uint32_t> lookedThrough(const SurfaceVoxels& voxels, const LineDirection& d)
+{
+    std::map<std::pair<int, int>, std::vector<std::uint32_t>> lines;
+    for (std::uint32_t i = 0; i < voxels.voxels.size(); ++i) lines[lineOf(voxels.voxels[i], d)].push_back(i);
+    std::vector<std::uint32_t> partners(voxels.voxels.size(), LinePartners::kNothing);
+    for (auto& [number, line] : lines) {
+        const auto slice = [&](std::uint32_t i) { return voxels.voxels[i][d.major]; };
+        std::ranges::sort(line, {}, slice);
+        const auto facesForth = [&](std::uint32_t i) { return glm::dot(voxels.entries[i].normal, d.unit) > 0.0f; };
+        for (std::size_t i = 0; i < line.size(); ++i) {
+            if (facesForth(line[i])) { // it sees the first that faces it
+                const auto seen = std::find_if_not(line.begin() + static_cast<std::ptrdiff_t>(i) + 1, line.end(),
+                                                   [&](std::uint32_t j) { return facesForth(j); });
+                if (seen != line.end()) partners[line[i]] = *seen;
+                continue;
+            }
+            // back over the steps of its own wall, then what comes before them
+            std::size_t at = i;
+            while (at > 0 && !facesForth(line[at - 1]) && slice(line[at]) - slice(line[at - 1]) <= 2) --at;
+            if (at > 0 && facesForth(line[at - 1])) partners[line[i]] = line[at - 1];
+        }
+    }
+    return partners;
+}
+
+} // namespace
+
+class VoxelLinesTest : public QObject {
+    Q_OBJECT
+
+private Q_SLOTS:
+    void directionsAreNestedAndEven()
+    {
+        const std::vector<LineDirection> all = directionSet(kMostDirections);
+        QCOMPARE(all.size(), std::size_t(kMostDirections));
+        std::set<std::tuple<int, int, int>> seen;
+        for (const LineDirection& d : all) {
+            const int largest = d.step[d.major];
+            QVERIFY(largest > 0 && largest <= kLargestStep);
+            for (int axis = 0; axis < 3; ++axis) QVERIFY(glm::abs(d.step[axis]) <= largest);
+            QVERIFY(seen.insert({d.step.x, d.step.y, d.step.z}).second);
+        }
+        for (const int count : {1, 64, 100, 512}) {
+            const std::vector<LineDirection> some = directionSet(count);
+            QCOMPARE(some.size(), std::size_t(count));
+            for (std::size_t i = 0; i < some.size(); ++i) QVERIFY(some[i].step == all[i].step);
+        }
+        for (const int count : {64, 512, 4096}) {
+            // the mean of d d^T over the sphere is a third of the unit matrix; .001 for the rounding to integers
+            glm::dmat3 mean(0.0);
+            for (int i = 0; i < count; ++i) {
+                const glm::dvec3 d(all[static_cast<std::size_t>(i)].unit);
+                mean += glm::outerProduct(d, d) / static_cast<double>(count);
+            }
+            for (int i = 0; i < 3; ++i) {
+                for (int j = 0; j < 3; ++j)
+                    QVERIFY(std::abs(mean[i][j] - (i == j ? 1.0 / 3.0 : 0.0)) <=
+                            1e-3 + 1.0 / static_cast<double>(count));
+            }
+        }
+    }
+
+    void everyVoxelIsOnOneLine()
+    {
+        constexpr int n = 9;
+        for (const LineDirection& d : allDirections(4)) {
+            const LineNumbers numbers(d, n);
+            std::map<std::uint32_t, std::pair<int, int>> lines;
+            std::set<std::pair<std::uint32_t, int>> taken; // line, slice
+            for (int x = 0; x < n; ++x) {
+                for (int y = 0; y < n; ++y) {
+                    for (int z = 0; z < n; ++z) {
+                        const glm::ivec3 cell(x, y, z);
+                        const auto at = [&](int axis) { return static_cast<std::uint16_t>(cell[axis % 3]); };
+                        const std::uint32_t line = numbers.of({at(d.major), at(d.major + 1), at(d.major + 2), 0});
+                        QVERIFY(line < numbers.count());
+                        QVERIFY(lines.try_emplace(line, lineOf(cell, d)).first->second == lineOf(cell, d));
+                        QVERIFY(taken.insert({line, cell[d.major]}).second); // one cell in each slice at most
+                    }
+                }
+            }
+            std::set<std::pair<int, int>> distinct;
+            for (const auto& [number, line] : lines) QVERIFY(distinct.insert(line).second);
+        }
+    }
+
+    void numbersStayInBounds()
+    {
+        const int last = kMostVoxels - 1;
+        for (LineDirection d : directionSet(kMostDirections)) {
+            const LineNumbers numbers(d, kMostVoxels);
+            QVERIFY(numbers.count() <= 4u * kMostVoxels * kMostVoxels);
+            for (int corner = 0; corner < 8; ++corner) {
+                const auto at = [&](int bit) { return static_cast<std::uint16_t>(corner & bit ? last : 0); };
+                QVERIFY(numbers.of({at(1), at(2), at(4), 0}) < numbers.count());
+            }
+        }
+    }
+
+    void partnersAreThoseOfEachLine()
+    {
+        const std::vector<LineDirection> directions = allDirections(4);
+        for (const int n : {2, 5, 16}) {
+            Rng rng(1, 2, static_cast<std::uint64_t>(n));
+            HandMade made(n);
+            std::set<std::uint64_t> cells; // voxels come in the order of Morton codes
+            for (int i = 0; i < n * n * 2; ++i)
+                cells.insert(mortonCode(glm::uvec3(glm::vec3(rng.uniform(), rng.uniform(), rng.uniform()) * float(n))));
+            for (const std::uint64_t code : cells) made.add(glm::ivec3(mortonCell(code)), anyNormal(rng, directions));
+            const SurfaceVoxels voxels = made.finish();
+            const VoxelOrders orders(voxels);
+            LinePartners lines(voxels, orders);
+            std::uint32_t number = 0;
+            for (const LineDirection& d : directions) {
+                const auto found = lines.find(d, number++);
+                QVERIFY(std::ranges::equal(found, lookedThrough(voxels, d)));
+            }
+        }
+    }
+
+    void cornersSeeThemselves()
+    {
+        // floor and wall meet in the voxel (3, 0, 0); light goes along (1, -1, 0) from the wall down to the floor
+        HandMade made(8);
+        made.add({1, 0, 0}, {0, 1, 0});
+        made.add({3, 0, 0}, {{{3.5f, 0.0f, 0.5f}, {0, 1, 0}, 1.0f}, {{3.0f, 0.5f, 0.5f}, {1, 0, 0}, 1.0f}});
+        made.add({3, 2, 0}, {1, 0, 0});
+        const SurfaceVoxels voxels = made.finish();
+        const VoxelOrders orders(voxels);
+        LinePartners lines(voxels, orders);
+        const auto found = lines.find(lineAlong({1, -1, 0}), 0);
+        QCOMPARE(found[1], 2u);
+        QCOMPARE(found[2], 1u);
+    }
+
+    void sheetsHideWhatIsBehind()
+    {
+        // two walls face each other with a sheet between them, both of its sides in one voxel
+        HandMade made(8);
+        made.add({0, 1, 1}, {1, 0, 0});
+        made.add({4, 1, 1}, {{{4.5f, 1.5f, 1.5f}, {1, 0, 0}, 1.0f}, {{4.5f, 1.5f, 1.5f}, {-1, 0, 0}, 1.0f}});
+        made.add({7, 1, 1}, {-1, 0, 0});
+        const SurfaceVoxels voxels = made.finish();
+        const VoxelOrders orders(voxels);
+        LinePartners lines(voxels, orders);
+        const auto found = lines.find(lineAlong({1, 0, 0}), 0);
+        const std::vector<std::uint32_t> expected{2, 3, 0, 1};
+        QVERIFY(std::ranges::equal(found, expected));
+    }
+
+    void wallsDoNotHideThemselves()
+    {
+        // two walls of two steps each: all see the other wall, none its neighbour
+        HandMade made(8);
+        made.add({0, 1, 1}, {1, 0, 0});
+        made.add({1, 1, 1}, {1, 0, 0});
+        made.add({5, 1, 1}, {-1, 0, 0});
+        made.add({6, 1, 1}, {-1, 0, 0});
+        const SurfaceVoxels voxels = made.finish();
+        const VoxelOrders orders(voxels);
+        LinePartners lines(voxels, orders);
+        const auto found = lines.find(lineAlong({1, 0, 0}), 0);
+        const std::vector<std::uint32_t> expected{2, 2, 1, 1};
+        QVERIFY(std::ranges::equal(found, expected));
+    }
+
+    void severalEntriesAreDrawnByWhatIsSeen()
+    {
+        // a voxel of two entries that face back, of 1 and 3 m2: over many directions one in four draws the smaller
+        HandMade made(8);
+        made.add({0, 0, 0}, {1, 0, 0});
+        made.add({6, 0, 0}, {{{6.5f, 0.5f, 0.5f}, {-1, 0, 0}, 1.0f}, {{6.5f, 0.5f, 0.5f}, {-1, 0, 0}, 3.0f}});
+        const SurfaceVoxels voxels = made.finish();
+        const VoxelOrders orders(voxels);
+        LinePartners lines(voxels, orders);
+        int smaller = 0;
+        constexpr int kDraws = 4000;
+        for (std::uint32_t i = 0; i < kDraws; ++i) smaller += lines.find(lineAlong({1, 0, 0}), i)[0] == 1 ? 1 : 0;
+        QVERIFY(std::abs(smaller - kDraws / 4) <= 140); // five standard deviations
+    }
+
+    void voxelsHoldTheReachedSurface()
+    {
+        Workers workers(2);
+        for (const Scene& scene : {cornellBox(), cavityL(0.5f)}) {
+            const auto rays = RayScene::build(std::make_shared<const Scene>(scene));
+            QVERIFY(rays);
+            const auto reach = LightReach::find(**rays, LightSampler(*rays), workers, {});
+            for (const int cells : {1, 2, 7, 33, 64}) {
+                for (const float shift : {0.0f, 0.4f}) {
+                    const auto voxels = voxelise(scene.bounds, *reach, cells, shift, workers, {});
+                    QVERIFY(voxels);
+                    double area = 0.0;
+                    for (const Orientation& o : voxels->entries) area += static_cast<double>(o.area);
+                    QVERIFY(std::abs(area / reach->area() - 1.0) <= 1e-4);
+                    for (std::size_t v = 0; v < voxels->voxels.size(); ++v) {
+                        const glm::ivec3 cell = voxels->voxels[v];
+                        QVERIFY(glm::all(glm::greaterThanEqual(cell, glm::ivec3(0))));
+                        QVERIFY(glm::all(glm::lessThan(cell, glm::ivec3(cells))));
+                        for (std::uint32_t e = voxels->firstEntry[v]; e < voxels->firstEntry[v + 1]; ++e) {
+                            double own = 0.0;
+                            for (std::uint32_t p = voxels->firstPiece[e]; p < voxels->firstPiece[e + 1]; ++p) {
+                                QVERIFY(voxels->pieces[p].cell == mortonCode(glm::uvec3(cell)));
+                                own += static_cast<double>(voxels->pieces[p].area);
+                            }
+                            QVERIFY(std::abs(own - static_cast<double>(voxels->entries[e].area)) <= 1e-5 * own);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    void ordersAreLexicographic()
+    {
+        Workers workers(2);
+        const Scene scene = cornellBox();
+        const auto rays = RayScene::build(std::make_shared<const Scene>(scene));
+        const auto reach = LightReach::find(**rays, LightSampler(*rays), workers, {});
+        const auto voxels = voxelise(scene.bounds, *reach, 40, 0.0f, workers, {});
+        const VoxelOrders orders(*voxels);
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto places = orders.along(axis);
+            QCOMPARE(places.size(), voxels->voxels.size());
+            std::vector<bool> seen(places.size());
+            for (std::size_t i = 0; i < places.size(); ++i) {
+                const VoxelPlace& p = places[i];
+                const glm::ivec3 cell = voxels->voxels[p.voxel];
+                QVERIFY(p.slice == cell[axis] && p.u == cell[(axis + 1) % 3] && p.v == cell[(axis + 2) % 3]);
+                QVERIFY(!seen[p.voxel]);
+                seen[p.voxel] = true;
+                if (i == 0) continue;
+                const VoxelPlace& q = places[i - 1];
+                QVERIFY(std::tie(q.slice, q.u, q.v) < std::tie(p.slice, p.u, p.v));
+            }
+        }
+    }
+};
+
+QTEST_APPLESS_MAIN(VoxelLinesTest)
+#include "tst_voxel_lines.moc"
