@@ -80,29 +80,67 @@ std::pair<int, int> lineOf(glm::ivec3 cell, const LineDirection& d)
     return {cell[(k + 1) % 3] + aside((k + 1) % 3), cell[(k + 2) % 3] + aside((k + 2) % 3)};
 }
 
-/// Partners of voxels with one entry each, line by line: what waits is seen by the first that faces back, and so on.
+/// One line, voxels of one entry each, looked through pair by pair: O(n^2).
+class OneLine {
+public:
+    OneLine(const SurfaceVoxels& voxels, const LineDirection& d, std::vector<std::uint32_t> line)
+        : voxels_(voxels), direction_(d), line_(std::move(line))
+    {
+        std::ranges::sort(line_, {}, [&](std::uint32_t i) { return slice(i); });
+    }
+    void setPartners(std::vector<std::uint32_t>& partners) const
+    {
+        for (std::size_t i = 0; i < line_.size(); ++i) {
+            const std::size_t seen = facesForth(line_[i]) ? endOf(i) : emitterOf(i);
+            if (seen < line_.size()) partners[line_[i]] = line_[seen];
+        }
+    }
+
+private:
+    [[nodiscard]] int slice(std::uint32_t i) const { return voxels_.voxels[i][direction_.major]; }
+    [[nodiscard]] double cosine(std::uint32_t i) const
+    {
+        return glm::dot(glm::dvec3(voxels_.entries[i].normal), glm::dvec3(direction_.unit));
+    }
+    [[nodiscard]] bool facesForth(std::uint32_t i) const { return cosine(i) > 0.0; }
+    /// Whether `other` lies before the plane of `i`, or the line has left that plane behind.
+    [[nodiscard]] bool isBefore(std::uint32_t i, std::uint32_t other) const
+    {
+        const glm::vec3 between = voxels_.entries[other].centroid - voxels_.entries[i].centroid;
+        const double way = glm::abs(slice(i) - slice(other)) / static_cast<double>(direction_.unit[direction_.major]);
+        return glm::dot(between, voxels_.entries[i].normal) > 1e-3f || way * std::abs(cosine(i)) > 1.5;
+    }
+    /// The place where the way of one that faces forth ends: the first that faces back and sees it.
+    [[nodiscard]] std::size_t endOf(std::size_t i) const
+    {
+        for (std::size_t j = i + 1; j < line_.size(); ++j) {
+            if (!facesForth(line_[j]) && isBefore(line_[i], line_[j]) && isBefore(line_[j], line_[i])) return j;
+        }
+        return line_.size();
+    }
+    /// What one that faces back sees: the last whose way ends there, or what the step of the same wall before it sees.
+    [[nodiscard]] std::size_t emitterOf(std::size_t j) const
+    {
+        for (std::size_t i = j; i-- > 0;) {
+            if (facesForth(line_[i]) && endOf(i) == j) return i;
+        }
+        for (std::size_t k = j; k-- > 0;) {
+            if (!facesForth(line_[k])) return slice(line_[j]) - slice(line_[k]) <= 2 ? emitterOf(k) : line_.size();
+        }
+        return line_.size();
+    }
+
+    const SurfaceVoxels& voxels_;
+    const LineDirection& direction_;
+    std::vector<std::uint32_t> line_;
+};
+
 std::vector<std::uint32_t> lookedThrough(const SurfaceVoxels& voxels, const LineDirection& d)
 {
     std::map<std::pair<int, int>, std::vector<std::uint32_t>> lines;
     for (std::uint32_t i = 0; i < voxels.voxels.size(); ++i) lines[lineOf(voxels.voxels[i], d)].push_back(i);
     std::vector<std::uint32_t> partners(voxels.voxels.size(), LinePartners::kNothing);
-    for (auto& [number, line] : lines) {
-        const auto slice = [&](std::uint32_t i) { return voxels.voxels[i][d.major]; };
-        std::ranges::sort(line, {}, slice);
-        const auto facesForth = [&](std::uint32_t i) { return glm::dot(voxels.entries[i].normal, d.unit) > 0.0f; };
-        for (std::size_t i = 0; i < line.size(); ++i) {
-            if (facesForth(line[i])) { // it sees the first that faces it
-                const auto seen = std::find_if_not(line.begin() + static_cast<std::ptrdiff_t>(i) + 1, line.end(),
-                                                   [&](std::uint32_t j) { return facesForth(j); });
-                if (seen != line.end()) partners[line[i]] = *seen;
-                continue;
-            }
-            // back over the steps of its own wall, then what comes before them
-            std::size_t at = i;
-            while (at > 0 && !facesForth(line[at - 1]) && slice(line[at]) - slice(line[at - 1]) <= 2) --at;
-            if (at > 0 && facesForth(line[at - 1])) partners[line[i]] = line[at - 1];
-        }
-    }
+    for (auto& [number, line] : lines) OneLine(voxels, d, std::move(line)).setPartners(partners);
     return partners;
 }
 
@@ -229,6 +267,30 @@ private Q_SLOTS:
         const auto found = lines.find(lineAlong({1, 0, 0}), 0);
         const std::vector<std::uint32_t> expected{2, 3, 0, 1};
         QVERIFY(std::ranges::equal(found, expected));
+    }
+
+    void slabsThinnerThanAVoxelDoNotHideThemselves()
+    {
+        // a table's top and its underside in one row of voxels, a floor and a ceiling; the line rises by a third
+        HandMade made(16);
+        for (int x = 4; x <= 9; ++x) {
+            const glm::vec3 middle(float(x) + 0.5f, 5.9f, 0.5f);
+            made.add({x, 5, 0}, {{middle, {0, 1, 0}, 1.0f}, {middle - glm::vec3(0, 0.4f, 0), {0, -1, 0}, 1.0f}});
+        }
+        for (int x = 10; x < 16; ++x) made.add({x, 7, 0}, {0, -1, 0});
+        for (int x = 0; x < 4; ++x) made.add({x, 3, 0}, {0, 1, 0});
+        const SurfaceVoxels voxels = made.finish();
+        const VoxelOrders orders(voxels);
+        LinePartners lines(voxels, orders);
+        const auto found = lines.find(lineAlong({3, 1, 0}), 0);
+        for (std::uint32_t e = 0; e < 12; ++e) {
+            if (found[e] == LinePartners::kNothing) continue;
+            // the top sees the ceiling, the underside the floor
+            QCOMPARE(found[e] >= 12 && found[e] < 18, e % 2 == 0);
+            QVERIFY(found[e] >= 12);
+        }
+        QVERIFY(std::ranges::count_if(found.first(12), [](std::uint32_t p) { return p >= 12 && p < 18; }) >= 3);
+        QVERIFY(std::ranges::count_if(found.first(12), [](std::uint32_t p) { return p >= 18 && p < 22; }) >= 3);
     }
 
     void wallsDoNotHideThemselves()

@@ -55,6 +55,12 @@ struct Polygon {
     }
 };
 
+/// In units of the root cell. Rounding may put a point a hair outside: the border cell takes it.
+glm::dvec3 inLattice(glm::vec3 p, const CellLattice& lattice)
+{
+    return glm::clamp((glm::dvec3(p) - glm::dvec3(lattice.lowest)) / static_cast<double>(lattice.rootSize), 0.0, 1.0);
+}
+
 /// Splits by the plane x[axis] = at; points on it go above, so that a polygon in the plane is above as a whole.
 void split(const Polygon& polygon, int axis, double at, Polygon& below, Polygon& above)
 {
@@ -88,10 +94,7 @@ public:
     void add(glm::vec3 a, glm::vec3 b, glm::vec3 c)
     {
         Polygon polygon;
-        for (const glm::vec3 p : {a, b, c}) {
-            // rounding may put a point a hair outside: the border cell takes it
-            polygon.add(glm::clamp((glm::dvec3(p) - lowest_) / size_, 0.0, 1.0));
-        }
+        for (const glm::vec3 p : {a, b, c}) polygon.add(inLattice(p, lattice_));
         descend(polygon, glm::uvec3(0), 0);
     }
 
@@ -178,6 +181,27 @@ void clipTriangle(glm::vec3 a, glm::vec3 b, glm::vec3 c, const CellLattice& latt
 {
     const std::stop_token never;
     Clipper(lattice, isOne, visit, never).add(a, b, c);
+}
+
+std::size_t clipToCell(glm::vec3 a, glm::vec3 b, glm::vec3 c, const CellLattice& lattice, glm::uvec3 cell,
+                       std::array<glm::dvec3, 9>& corners)
+{
+    Polygon inside, rest;
+    for (const glm::vec3 p : {a, b, c}) inside.add(inLattice(p, lattice));
+    const double cells = static_cast<double>(1u << lattice.depth);
+    for (int axis = 0; axis < 3 && inside.count > 0; ++axis) {
+        Polygon above;
+        split(inside, axis, cell[axis] / cells, rest, above);
+        if (cell[axis] + 1 < 1u << lattice.depth)
+            split(above, axis, (cell[axis] + 1.0) / cells, inside, rest);
+        else
+            inside = above;
+    }
+    if (inside.count < 3 || inside.count > 9) return 0;
+    const auto count = static_cast<std::size_t>(inside.count);
+    for (std::size_t i = 0; i < count; ++i)
+        corners[i] = glm::dvec3(lattice.lowest) + inside.points[i] * static_cast<double>(lattice.rootSize);
+    return count;
 }
 
 CellPieces clipToCells(const std::vector<ReachedFacet>& facets, const CellLattice& lattice, Workers& workers,

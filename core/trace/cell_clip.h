@@ -3,6 +3,7 @@
 #include "core/base/parallel.h"
 #include "core/scene/scene.h"
 #include "core/trace/reached_facet.h"
+#include <array>
 #include <functional>
 #include <optional>
 #include <span>
@@ -39,6 +40,11 @@ void clipTriangle(glm::vec3 a, glm::vec3 b, glm::vec3 c, const CellLattice& latt
 void clipTriangle(glm::vec3 a, glm::vec3 b, glm::vec3 c, const CellLattice& lattice,
                   const std::function<bool(glm::uvec3, int)>& isOne,
                   const std::function<void(const CellPolygon&, int depth)>& visit);
+
+/// Corners of a triangle's part inside one cell of the lattice, as `clipTriangle` cuts it, into `corners`; how many: 0
+/// or 3 to 9.
+std::size_t clipToCell(glm::vec3 a, glm::vec3 b, glm::vec3 c, const CellLattice& lattice, glm::uvec3 cell,
+                       std::array<glm::dvec3, 9>& corners);
 
 /// The part of one reached facet inside one cell.
 struct CellPiece {

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/transport/line_partners.h"
 #include "core/base/rng.h"
+#include <algorithm>
+#include <bit>
 
 namespace lightloom {
 namespace {
 
 constexpr std::int32_t kSameWall = 2; ///< slices
+constexpr float kAboutPlane = 1.5f;   ///< cells
+constexpr float kApart = 1e-3f;       ///< cells: the two sides of a sheet are neither before nor behind each other
 
-/// Above 0: `at` lies before the entry's plane, in cells.
+/// How far `at` lies before the entry's plane, in cells.
 float before(const Orientation& entry, glm::vec3 at, float cell)
 {
     return glm::dot(at - entry.centroid, entry.normal) / cell;
@@ -15,92 +19,153 @@ float before(const Orientation& entry, glm::vec3 at, float cell)
 
 } // namespace
 
-LinePartners::Faces LinePartners::facesOf(std::uint32_t voxel, glm::vec3 along) const
+template<class Do>
+void LinePartners::forEach(std::uint32_t voxel, Members members, Do what) const
 {
-    constexpr float kApart = 1e-3f; // cells: the two sides of a sheet are neither before nor behind each other
-    const std::uint32_t first = voxels_.firstEntry[voxel], end = voxels_.firstEntry[voxel + 1];
+    for (; members != 0; members &= members - 1)
+        what(voxels_.firstEntry[voxel] + static_cast<std::uint32_t>(std::countr_zero(members)));
+}
+
+LinePartners::LinePartners(const SurfaceVoxels& voxels, const VoxelOrders& orders)
+    : voxels_(voxels), orders_(orders), waiting_(voxels.entries.size()), cosines_(voxels.entries.size())
+{
+}
+
+LinePartners::Faces LinePartners::facesOf(std::uint32_t voxel) const
+{
     Faces faces;
-    for (std::uint32_t e = first; e < end; ++e) {
-        const Orientation& entry = voxels_.entries[e];
-        const float cosine = glm::dot(entry.normal, along);
-        faces.back |= cosine < -kAlongSurface;
-        if (!(cosine > kAlongSurface)) continue;
-        faces.forth = true;
-        for (std::uint32_t o = first; o < end && !faces.areConcave; ++o) {
-            const Orientation& other = voxels_.entries[o];
-            faces.areConcave = glm::dot(other.normal, along) < -kAlongSurface &&
-                               before(entry, other.centroid, voxels_.cellSize()) > kApart &&
-                               before(other, entry.centroid, voxels_.cellSize()) > kApart;
-        }
+    const std::uint32_t first = voxels_.firstEntry[voxel], count = voxels_.firstEntry[voxel + 1] - first;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        faces.forth |= Members(cosines_[first + i] > kAlongSurface) << i;
+        faces.back |= Members(cosines_[first + i] < -kAlongSurface) << i;
     }
     return faces;
 }
 
-/// One of the voxel's entries that face `towards`, drawn by area times cosine.
-std::uint32_t LinePartners::pick(std::uint32_t voxel, glm::vec3 towards) const
+/// Those of a voxel's entries that see `entry` and that it sees: each lies before the other's plane.
+LinePartners::Members LinePartners::seeing(std::uint32_t entry, std::uint32_t voxel, Members among) const
 {
-    const std::uint32_t first = voxels_.firstEntry[voxel], end = voxels_.firstEntry[voxel + 1];
-    const auto seen = [&](std::uint32_t e) {
-        const float cosine = glm::dot(voxels_.entries[e].normal, towards);
-        return cosine > kAlongSurface ? voxels_.entries[e].area * cosine : 0.0f;
-    };
+    const Orientation& from = voxels_.entries[entry];
+    Members seen = 0;
+    forEach(voxel, among, [&](std::uint32_t e) {
+        const Orientation& to = voxels_.entries[e];
+        const bool sees = before(from, to.centroid, voxels_.cellSize()) > kApart &&
+                          before(to, from.centroid, voxels_.cellSize()) > kApart;
+        seen |= Members(sees) << (e - voxels_.firstEntry[voxel]);
+    });
+    return seen;
+}
+
+/// One of a voxel's entries, drawn by area times cosine.
+std::uint32_t LinePartners::pick(std::uint32_t voxel, Members among) const
+{
+    const std::uint32_t first = voxels_.firstEntry[voxel];
+    if (std::has_single_bit(among)) return first + static_cast<std::uint32_t>(std::countr_zero(among));
+    const auto seen = [&](std::uint32_t e) { return voxels_.entries[e].area * glm::abs(cosines_[e]); };
     float all = 0.0f;
-    std::uint32_t last = kNothing, count = 0;
-    for (std::uint32_t e = first; e < end; ++e) {
-        if (seen(e) > 0.0f) all += seen(e), last = e, ++count;
-    }
-    if (count < 2) return last;
+    forEach(voxel, among, [&](std::uint32_t e) { all += seen(e); });
     float rest = all * Rng(number_, 0, voxel).uniform();
-    for (std::uint32_t e = first; e < end; ++e) {
-        if (seen(e) > 0.0f && (rest -= seen(e)) < 0.0f) return e;
-    }
-    return last;
+    std::uint32_t picked = kNothing;
+    forEach(voxel, among, [&](std::uint32_t e) {
+        if (rest >= 0.0f) picked = e;
+        rest -= seen(e);
+    });
+    return picked;
 }
 
-void LinePartners::wait(Line& line, std::uint32_t voxel, glm::vec3 along)
+/// Whether the way from an entry that waits ends at one that faces it. Not while the line is about the plane of one of
+/// them and the other lies behind it.
+bool LinePartners::endsAt(std::uint32_t waiting, std::uint32_t facing, std::int32_t slice) const
 {
-    for (std::uint32_t e = voxels_.firstEntry[voxel]; e < voxels_.firstEntry[voxel + 1]; ++e) {
-        if (!(glm::dot(voxels_.entries[e].normal, along) > kAlongSurface)) continue;
-        nextWaiting_[e] = line.firstWaiting;
-        line.firstWaiting = e;
-    }
-    line.lastWaiting = voxel;
+    const Orientation &from = voxels_.entries[waiting], &to = voxels_.entries[facing];
+    const float way = static_cast<float>(slice - waiting_[waiting].slice) * perSlice_;
+    const auto isPassed = [&](const Orientation& plane, std::uint32_t entry, const Orientation& other) {
+        return before(plane, other.centroid, voxels_.cellSize()) > kApart ||
+               way * glm::abs(cosines_[entry]) > kAboutPlane;
+    };
+    return isPassed(from, waiting, to) && isPassed(to, facing, from);
 }
 
-void LinePartners::close(Line& line, std::uint32_t voxel, std::int32_t slice, glm::vec3 along)
+/// Entries of a voxel that see each other along the line become partners; what is left.
+LinePartners::Faces LinePartners::joinCorners(std::uint32_t voxel, const Faces& faces)
 {
-    if (line.lastWaiting != kNothing) {
-        const std::uint32_t seen = pick(voxel, -along);
-        for (std::uint32_t e = line.firstWaiting; e != kNothing; e = nextWaiting_[e]) partners_[e] = seen;
-        line.emitter = line.lastWaiting;
-        line.firstWaiting = line.lastWaiting = kNothing;
-    } else if (slice - line.closedAt > kSameWall) {
+    Faces left = faces;
+    forEach(voxel, faces.forth, [&](std::uint32_t e) {
+        const Members seen = seeing(e, voxel, faces.back);
+        if (seen == 0) return;
+        partners_[e] = pick(voxel, seen);
+        left.forth &= ~(Members(1) << (e - voxels_.firstEntry[voxel]));
+        left.back &= ~seen;
+    });
+    forEach(voxel, faces.back & ~left.back,
+            [&](std::uint32_t e) { partners_[e] = pick(voxel, seeing(e, voxel, faces.forth)); });
+    return left;
+}
+
+void LinePartners::wait(Line& line, const VoxelPlace& place, Members members)
+{
+    forEach(place.voxel, members, [&](std::uint32_t e) {
+        waiting_[e] = {line.waiting, place.voxel, members, place.slice};
+        line.waiting = e;
+    });
+}
+
+/// Ends ways at those that face the ones that wait; `takers` of them see what these are.
+void LinePartners::close(Line& line, const VoxelPlace& place, Members facing, Members takers)
+{
+    std::uint32_t last = kNothing; // of those whose way ends here
+    const std::uint32_t drawn = pick(place.voxel, facing);
+    for (std::uint32_t* link = &line.waiting; *link != kNothing;) {
+        const std::uint32_t e = *link;
+        std::uint32_t end = endsAt(e, drawn, place.slice) ? drawn : kNothing;
+        if (end == kNothing && !std::has_single_bit(facing)) {
+            forEach(place.voxel, facing, [&](std::uint32_t f) {
+                if (end == kNothing && endsAt(e, f, place.slice)) end = f;
+            });
+        }
+        if (end == kNothing) {
+            link = &waiting_[e].before;
+            continue;
+        }
+        partners_[e] = end;
+        if (last == kNothing) last = e;
+        *link = waiting_[e].before;
+    }
+    if (last != kNothing)
+        line.emitter = waiting_[last].voxel, line.emitters = waiting_[last].together;
+    else if (place.slice - line.closedAt > kSameWall)
         line.emitter = kNothing;
-    }
-    line.closedAt = slice;
+    line.closedAt = place.slice;
     if (line.emitter == kNothing) return;
-    const std::uint32_t seen = pick(line.emitter, along);
-    for (std::uint32_t e = voxels_.firstEntry[voxel]; e < voxels_.firstEntry[voxel + 1]; ++e) {
-        if (glm::dot(voxels_.entries[e].normal, along) < -kAlongSurface) partners_[e] = seen;
-    }
+    forEach(place.voxel, takers, [&](std::uint32_t e) {
+        const Members seen = seeing(e, line.emitter, line.emitters);
+        partners_[e] = pick(line.emitter, seen != 0 ? seen : line.emitters);
+    });
 }
 
 std::span<std::uint32_t> LinePartners::find(const LineDirection& direction, std::uint32_t number)
 {
     number_ = number;
+    along_ = direction.unit;
+    perSlice_ = 1.0f / along_[direction.major];
     const LineNumbers numbers(direction, voxels_.cells);
     if (lines_.size() < numbers.count()) lines_.resize(numbers.count());
     if (++stamp_ == 0) std::ranges::fill(lines_, Line{}), stamp_ = 1;
     partners_.assign(voxels_.entries.size(), kNothing);
-    nextWaiting_.resize(voxels_.entries.size());
-    const glm::vec3 along = direction.unit;
+    for (std::size_t e = 0; e < cosines_.size(); ++e) cosines_[e] = glm::dot(voxels_.entries[e].normal, along_);
     for (const VoxelPlace& place : orders_.along(direction.major)) {
         Line& line = lines_[numbers.of(place)];
         if (line.stamp != stamp_) line = {.stamp = stamp_};
-        const Faces faces = facesOf(place.voxel, along);
-        if (faces.areConcave) wait(line, place.voxel, along);
-        if (faces.back) close(line, place.voxel, place.slice, along);
-        if (faces.forth && !faces.areConcave) wait(line, place.voxel, along);
+        const Faces faces = facesOf(place.voxel);
+        Faces left = faces;
+        if (faces.forth != 0 && faces.back != 0) {
+            left = joinCorners(place.voxel, faces);
+            close(line, place, left.back != 0 ? left.back : faces.back, left.back);
+            if (left.forth != faces.forth) line.emitter = place.voxel, line.emitters = faces.forth & ~left.forth;
+        } else if (faces.back != 0) {
+            close(line, place, faces.back, faces.back);
+        }
+        wait(line, place, left.forth);
     }
     return partners_;
 }

@@ -12,40 +12,58 @@ inline constexpr float kAlongSurface = 1e-4f; ///< cosine below which a line nei
 ///
 /// A wall is one or two voxels thick along a line and would hide itself from the light: entries that face along the
 /// line wait until an entry faces them, which sees the last of them; so do those that follow it within two slices, the
-/// next steps of the same wall (docs/methods/voxel-lightcuts.md). In a voxel where entries of both kinds stand before
-/// each other's plane, a corner that is open inwards, these see each other and the line ends there; in any other the
-/// ones that face back come first. Where several entries of a voxel could answer, one is drawn by how much of it is
-/// seen: area times cosine.
+/// next steps of the same wall. Entries see each other if each lies before the other's plane: the far side of a slab
+/// thinner than a voxel is passed over while the line is about that plane. Within a voxel this makes corners that are
+/// open inwards see themselves; all else that faces back in a voxel comes before what faces forth. Where several
+/// entries of a voxel could answer, one is drawn by how much of it is seen: area times cosine
+/// (docs/methods/voxel-lightcuts.md).
 class LinePartners {
 public:
     static constexpr std::uint32_t kNothing = 0xFFFFFFFFu;
     /// Both must outlive this.
-    LinePartners(const SurfaceVoxels& voxels, const VoxelOrders& orders) : voxels_(voxels), orders_(orders) {}
+    LinePartners(const SurfaceVoxels& voxels, const VoxelOrders& orders);
 
     /// Partners by entry, valid until the next call. `number` of the direction: draws depend on it and the voxel alone.
     std::span<std::uint32_t> find(const LineDirection& direction, std::uint32_t number);
 
 private:
+    /// Entries of one voxel, a bit each.
+    using Members = std::uint32_t;
+    static_assert(kMostOrientations <= 32);
     struct Line {
-        std::uint32_t firstWaiting = kNothing; // entries, chained by `nextWaiting_`
-        std::uint32_t lastWaiting = kNothing;  // voxel
-        std::uint32_t emitter = kNothing;      // voxel that those who faced it last saw
-        std::int32_t closedAt = 0;             // slice
-        std::uint32_t stamp = 0;               // of the direction; an older one: a line without voxels so far
+        std::uint32_t waiting = kNothing; // the last entry that waits
+        std::uint32_t emitter = kNothing; // voxel that those who faced it last saw
+        Members emitters = 0;             // of it
+        std::int32_t closedAt = 0;        // slice
+        std::uint32_t stamp = 0;          // of the direction; an older one: a line without voxels so far
+    };
+    struct Waiting {
+        std::uint32_t before, voxel; // the entry that waits since before it; where it is
+        Members together;            // those of its voxel that wait
+        std::int32_t slice;
     };
     struct Faces {
-        bool forth = false, back = false, areConcave = false;
+        Members forth = 0, back = 0;
     };
-    [[nodiscard]] Faces facesOf(std::uint32_t voxel, glm::vec3 along) const;
-    [[nodiscard]] std::uint32_t pick(std::uint32_t voxel, glm::vec3 towards) const;
-    void wait(Line& line, std::uint32_t voxel, glm::vec3 along);
-    void close(Line& line, std::uint32_t voxel, std::int32_t slice, glm::vec3 along);
+    [[nodiscard]] Faces facesOf(std::uint32_t voxel) const;
+    [[nodiscard]] Members seeing(std::uint32_t entry, std::uint32_t voxel, Members among) const;
+    [[nodiscard]] std::uint32_t pick(std::uint32_t voxel, Members among) const;
+    [[nodiscard]] bool endsAt(std::uint32_t waiting, std::uint32_t facing, std::int32_t slice) const;
+    Faces joinCorners(std::uint32_t voxel, const Faces& faces);
+    void wait(Line& line, const VoxelPlace& place, Members members);
+    void close(Line& line, const VoxelPlace& place, Members facing, Members takers);
+    template<class Do>
+    void forEach(std::uint32_t voxel, Members members, Do what) const;
 
     const SurfaceVoxels& voxels_;
     const VoxelOrders& orders_;
+    glm::vec3 along_{0.0f};
+    float perSlice_ = 1.0f; // cells along the line
     std::uint32_t number_ = 0, stamp_ = 0;
     std::vector<Line> lines_;
-    std::vector<std::uint32_t> nextWaiting_, partners_; // by entry
+    std::vector<Waiting> waiting_;        // by entry
+    std::vector<float> cosines_;          // by entry
+    std::vector<std::uint32_t> partners_; // by entry
 };
 
 } // namespace lightloom

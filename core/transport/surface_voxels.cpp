@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/transport/surface_voxels.h"
+#include "core/base/sampling.h"
 #include <algorithm>
 #include <bit>
 #include <cassert>
@@ -45,14 +46,14 @@ private:
 /// the walls do that it meets. Else light from its corners would not find these.
 constexpr float kMovedOut = 1e-3f;
 
-std::vector<ReachedFacet> movedOut(std::vector<ReachedFacet> facets, float cell)
+ReachedFacet movedOut(ReachedFacet f, float cell)
 {
-    for (ReachedFacet& f : facets) {
-        const glm::vec3 way = kMovedOut * cell * f.normal;
-        f.a += way, f.b += way, f.c += way;
-    }
-    return facets;
+    const glm::vec3 way = kMovedOut * cell * f.normal;
+    f.a += way, f.b += way, f.c += way;
+    return f;
 }
+
+glm::dvec3 areaOf(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c) { return glm::cross(b - a, c - a); } // twice a triangle's
 
 } // namespace
 
@@ -67,6 +68,33 @@ CellLattice voxelLattice(const Bounds& bounds, int cells, float shift)
     lattice.rootSize = size * static_cast<float>(1u << lattice.depth);
     lattice.lowest = bounds.centre() - glm::vec3(0.5f * padded + shift * size);
     return lattice;
+}
+
+glm::vec3 SurfaceVoxels::pointOn(std::size_t e, glm::vec3 u, const LightReach& reach, std::uint32_t& facet) const
+{
+    const auto own = std::span(pieces).subspan(firstPiece[e], firstPiece[e + 1] - firstPiece[e]);
+    float rest = u.x * entries[e].area;
+    std::size_t number = 0;
+    while (number + 1 < own.size() && (rest -= own[number].area) >= 0.0f) ++number;
+    const CellPiece& piece = own[number];
+    facet = piece.facet;
+    const ReachedFacet f = movedOut(reach.facets()[facet], cellSize());
+    std::array<glm::dvec3, 9> corners;
+    const std::size_t count = clipToCell(f.a, f.b, f.c, lattice, mortonCell(piece.cell), corners);
+    const auto doubled = [&](std::size_t i) { return glm::length(areaOf(corners[0], corners[i - 1], corners[i])); };
+    double all = 0.0;
+    for (std::size_t i = 2; i < count; ++i) all += doubled(i);
+    if (!(all > 0.0)) return piece.centroid;
+    std::size_t i = 2;
+    for (double left = static_cast<double>(u.y) * all; i + 1 < count && (left -= doubled(i)) >= 0.0; ++i) {
+    }
+    // the place within the fan's triangle: what `u.y` has left over is uniform again
+    double before = 0.0;
+    for (std::size_t k = 2; k < i; ++k) before += doubled(k);
+    const double within = glm::clamp((static_cast<double>(u.y) * all - before) / doubled(i), 0.0, 1.0);
+    const glm::vec2 b = sampleTriangle(static_cast<float>(within), u.z);
+    return glm::vec3(corners[0] + static_cast<double>(b.x) * (corners[i - 1] - corners[0]) +
+                     static_cast<double>(b.y) * (corners[i] - corners[0]));
 }
 
 std::size_t SurfaceVoxels::voxelAt(glm::vec3 p, glm::vec3 normal) const
@@ -92,7 +120,9 @@ std::shared_ptr<const SurfaceVoxels> voxelise(const Bounds& bounds, const LightR
     const auto out = std::make_shared<SurfaceVoxels>();
     out->lattice = voxelLattice(bounds, cells, shift);
     out->cells = cells;
-    const CellPieces clipped = clipToCells(movedOut(reach.facets(), out->cellSize()), out->lattice, workers, stop);
+    std::vector<ReachedFacet> facets = reach.facets();
+    for (ReachedFacet& f : facets) f = movedOut(f, out->cellSize());
+    const CellPieces clipped = clipToCells(facets, out->lattice, workers, stop);
     if (!clipped.complete) return nullptr;
     VoxelBuilder builder(reach.facets(), *out);
     const std::span<const CellPiece> pieces = clipped.pieces;

@@ -23,6 +23,8 @@ struct SurfaceVoxels {
     std::vector<Orientation> entries;
     std::vector<std::uint32_t> firstPiece;
     std::vector<CellPiece> pieces; ///< facets count in the reach that they were built from
+    /// A point of entry `e`, uniform by area for uniform `u`; the facet it lies on.
+    [[nodiscard]] glm::vec3 pointOn(std::size_t e, glm::vec3 u, const LightReach& reach, std::uint32_t& facet) const;
     /// The voxel that holds a point of the surface that faces `normal`; voxels.size() if none does. O(log voxels).
     [[nodiscard]] std::size_t voxelAt(glm::vec3 p, glm::vec3 normal) const;
     [[nodiscard]] float cellSize() const { return lattice.cellSize(); }

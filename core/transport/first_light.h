@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "core/transport/voxel_bounces.h"
+
+namespace lightloom {
+
+/// What each entry's surface sends on of the light that falls on it, per channel: its diffuse and metallic parts,
+/// textures looked up at the centroids of its pieces, weighted by area. Metals count as if they scattered evenly.
+/// O(pieces).
+[[nodiscard]] std::vector<glm::vec3> entryAlbedos(const RayScene& rays, const LightReach& reach,
+                                                  const SurfaceVoxels& voxels);
+
+/// Direct illuminance (lux) of each entry, red, green and blue of one light group after the other: shadow rays to every
+/// lamp from `samples` points that are spread over its surface (METHODS 5: better than photons, but for light that
+/// comes by mirrors or through glass, which this leaves out). Points and samples of entry e depend on (seed, e) alone:
+/// the same bits on any number of threads. Empty: stopped.
+[[nodiscard]] EntryValues firstLight(const LightSampler& lights, const LightReach& reach, const SurfaceVoxels& voxels,
+                                     int samples, std::uint64_t seed, Workers& workers, const std::stop_token& stop);
+
+/// What entries send on of the light that falls on them: lux times albedo, lm/m2.
+[[nodiscard]] EntryValues reflected(EntryValues lux, std::span<const glm::vec3> albedo);
+
+} // namespace lightloom

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+// Claims: points on voxel entries are spread evenly over their surface; first light is the direct light there, lamp by
+// lamp, the same bits on any number of threads; with it, what bounces in a closed room is what is known exactly (A6).
+#include "core/scene/analytic_scenes.h"
+#include "core/scene/sample_scenes.h"
+#include "core/transport/first_light.h"
+#include "light_helpers.h"
+#include <QtTest>
+
+using namespace lightloom;
+using namespace lightloom::test;
+
+namespace {
+
+struct VoxelScene : LitScene {
+    VoxelScene(Scene built, int cells, float shift = 0.0f) : LitScene(std::move(built))
+    {
+        reach = LightReach::find(*rays, *lights, workers, {});
+        voxels = voxelise(scene->bounds, *reach, cells, shift, workers, {});
+    }
+    Workers workers{2};
+    std::shared_ptr<const LightReach> reach;
+    std::shared_ptr<const SurfaceVoxels> voxels;
+};
+
+} // namespace
+
+class VoxelFirstLightTest : public QObject {
+    Q_OBJECT
+
+private Q_SLOTS:
+    void pointsLieEvenlyOnTheirEntries()
+    {
+        const VoxelScene s(*figureScene(1000), 12, 0.3f);
+        const SurfaceVoxels& voxels = *s.voxels;
+        Rng rng(1, 2, 3);
+        for (std::size_t e = 0; e < voxels.entries.size(); e += 7) {
+            RunningMean x, y, z;
+            for (int i = 0; i < 400; ++i) {
+                std::uint32_t facet = 0;
+                const glm::vec3 p = voxels.pointOn(e, {rng.uniform(), rng.uniform(), rng.uniform()}, *s.reach, facet);
+                const ReachedFacet& f = s.reach->facets()[facet];
+                QVERIFY(std::abs(glm::dot(p - f.a, f.normal)) <= 2e-3f * voxels.cellSize());
+                const glm::vec3 place = (p - voxels.lattice.lowest) / voxels.cellSize();
+                const glm::vec3 cell(mortonCell(voxels.pieces[voxels.firstPiece[e]].cell));
+                QVERIFY(glm::all(glm::greaterThanEqual(place, cell - 1e-3f)));
+                QVERIFY(glm::all(glm::lessThanEqual(place, cell + 1.001f)));
+                x.add(static_cast<double>(p.x)), y.add(static_cast<double>(p.y)), z.add(static_cast<double>(p.z));
+            }
+            const glm::dvec3 centroid(voxels.entries[e].centroid);
+            const double limit = sidakLimit(3 * int(voxels.entries.size() / 7 + 1));
+            VERIFY_MEAN(x, centroid.x, limit, "x");
+            VERIFY_MEAN(y, centroid.y, limit, "y");
+            VERIFY_MEAN(z, centroid.z, limit, "z");
+        }
+    }
+
+    void aPointLampInACube()
+    {
+        VoxelScene s(litCube(0.5f, 100.0f), 24, 0.3f);
+        const EntryValues lux = firstLight(*s.lights, *s.reach, *s.voxels, 4, 1, s.workers, {});
+        QCOMPARE(lux.channels, 3);
+        double found = 0.0, flux = 0.0;
+        for (std::size_t e = 0; e < lux.entries(); ++e) {
+            const Orientation& o = s.voxels->entries[e];
+            found += static_cast<double>(lux.values[3 * e] * o.area);
+            const glm::dvec3 p(o.centroid);
+            const double exact = 100.0 / std::pow(glm::dot(p, p), 1.5);
+            QVERIFY(std::abs(static_cast<double>(lux.values[3 * e]) / exact - 1.0) <= 0.06); // it varies in a voxel
+        }
+        flux = 4.0 * kPiD * 100.0;
+        QVERIFY(std::abs(found / flux - 1.0) <= 2e-3);
+    }
+
+    void closedCavities() // A6: mean indirect E = Phi rho / (A (1 - rho)), with lamps, albedos and bounces of our own
+    {
+        for (const float rho : {0.2f, 0.8f}) {
+            VoxelScene s(cavityL(rho), 48, 0.2f);
+            const VoxelOrders orders(*s.voxels);
+            const std::vector<glm::vec3> albedo = entryAlbedos(*s.rays, *s.reach, *s.voxels);
+            for (const glm::vec3& a : albedo)
+                QVERIFY(glm::all(glm::lessThanEqual(glm::abs(a - rho), glm::vec3(1e-5f))));
+            const EntryValues first = firstLight(*s.lights, *s.reach, *s.voxels, 4, 1, s.workers, {});
+            const EntryValues lux =
+                bounceLight(*s.rays, *s.voxels, orders, reflected(first, albedo), albedo, {}, s.workers, {});
+            double sum = 0.0, area = 0.0;
+            for (std::size_t e = 0; e < lux.entries(); ++e) {
+                sum += static_cast<double>(lux.values[3 * e] * s.voxels->entries[e].area);
+                area += static_cast<double>(s.voxels->entries[e].area);
+            }
+            const double expected = 1000.0 * double(rho) / (72.0 * (1.0 - double(rho)));
+            qInfo("rho %g: %.4f of what is expected", double(rho), sum / area / expected);
+            QVERIFY(std::abs(sum / area / expected - 1.0) <= 0.02);
+        }
+    }
+
+    void lampsAreKeptApart()
+    {
+        VoxelScene s(twoRooms(), 24);
+        const EntryValues lux = firstLight(*s.lights, *s.reach, *s.voxels, 2, 1, s.workers, {});
+        QCOMPARE(lux.channels, 6);
+        Workers three(3);
+        QVERIFY(firstLight(*s.lights, *s.reach, *s.voxels, 2, 1, three, {}).values == lux.values);
+        RunningMean lumen[2]; // the rooms are closed: all light of each lamp falls on their surface
+        for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+            const EntryValues found = firstLight(*s.lights, *s.reach, *s.voxels, 4, seed, three, {});
+            double sums[2] = {};
+            for (std::size_t i = 1; i < found.values.size(); i += 3) // green
+                sums[i / 3 % 2] += static_cast<double>(found.values[i] * s.voxels->entries[i / 6].area);
+            for (std::size_t g = 0; g < 2; ++g) lumen[g].add(sums[g]);
+        }
+        for (std::size_t g = 0; g < 2; ++g)
+            VERIFY_MEAN(lumen[g], static_cast<double>(s.lights->groupFlux(int(g)).y), sidakLimit(2, 1e-3), "lamp");
+    }
+};
+
+QTEST_APPLESS_MAIN(VoxelFirstLightTest)
+#include "tst_voxel_first_light.moc"
