@@ -53,6 +53,13 @@ SHARED float gridLean(vec3 away, uvec3 sight, vec3 n)
     return kGridBehind * clamp(lean / kGridLean, 0.0f, 1.0f);
 }
 
+// Part of a finer grid in the light at `p`: 0 outside its box, 1 where no face is nearer than `fade` (GridInside).
+SHARED float gridInside(vec3 p, vec3 low, vec3 high, float fade)
+{
+    vec3 depth = min(p - low, high - p);
+    return smoothstep(0.0f, fade, min(depth.x, min(depth.y, depth.z)));
+}
+
 // Cubic B-spline at t of the way from vertex 0 to 1, as two reads with linear filter (Sigg and Hadwiger 2005): where
 // the first is read and its weight, where the second and its weight.
 SHARED vec4 gridSplineReads(float t)

@@ -7,16 +7,27 @@
 //   SIDE_TEXELS    per direction: 1 one colour; 2 compressed, lengths and direction; 3 vectors; 0 none
 //   SHARED_TEXELS  5 terms between the axes, 7 all harmonics, 0 none
 //   SLOPES         1: light goes on to the surface by slopes
+//   NESTED         1: a finer grid within a box, which fades into the outer one
 #include "shared_limits.glsl"
 #include "common_ivg.glsl"
 #include "common_shading.glsl"
 
-uniform sampler3D light, places;
-uniform usampler3D sight;
-uniform ivec3 slabs, cells;
-uniform vec3 lowest, cellSize;
+struct Grid {
+    ivec3 slabs, cells;
+    vec3 lowest, cellSize;
+    float scale;
+};
+uniform Grid outer;
+uniform sampler3D outerLight, outerPlaces;
+uniform usampler3D outerSight;
+#if NESTED == 1
+uniform Grid inner;
+uniform sampler3D innerLight, innerPlaces;
+uniform usampler3D innerSight;
+uniform vec3 boxLow, boxHigh;
+uniform float fade;
+#endif
 uniform float offset; // cells along the normal
-uniform float scale;
 uniform sampler2D gPosition, gNormal, gBase, gEmission;
 uniform int showIlluminance; // 1: lux on the surface instead of radiance
 uniform int mirrors;         // 1: environment maps are added, for metals that have one
@@ -67,24 +78,25 @@ vec3 slopeSum[3];
 vec3 placeSum; // by axis: trust times vertex number
 #endif
 
-ivec3 slab(int number)
+ivec3 slab(Grid grid, int number)
 {
-    return ivec3(number % slabs.x, number / slabs.x % slabs.y, number / (slabs.x * slabs.y)) * (cells + 1);
+    ivec3 slabs = grid.slabs;
+    return ivec3(number % slabs.x, number / slabs.x % slabs.y, number / (slabs.x * slabs.y)) * (grid.cells + 1);
 }
 
-void chooseSlabs(vec3 n)
+void chooseSlabs(Grid grid, vec3 n)
 {
     ivec3 side = ivec3(0, 2, 4) + ivec3(greaterThanEqual(n, vec3(0.0)));
 #if SIDE_TEXELS > 0
     for (int axis = 0; axis < 3; ++axis) {
-        for (int j = 0; j < SIDE_TEXELS; ++j) sideSlab[axis * SIDE_TEXELS + j] = slab(side[axis] * SIDE_TEXELS + j);
+        for (int j = 0; j < SIDE_TEXELS; ++j) sideSlab[axis * SIDE_TEXELS + j] = slab(grid, side[axis] * SIDE_TEXELS + j);
     }
 #endif
 #if SHARED_TEXELS > 0
-    for (int i = 0; i < SHARED_TEXELS; ++i) sharedSlab[i] = slab(6 * SIDE_TEXELS + i);
+    for (int i = 0; i < SHARED_TEXELS; ++i) sharedSlab[i] = slab(grid, 6 * SIDE_TEXELS + i);
 #endif
 #if SLOPES == 1
-    for (int axis = 0; axis < 3; ++axis) slopeSlab[axis] = slab(6 * SIDE_TEXELS + SHARED_TEXELS + side[axis]);
+    for (int axis = 0; axis < 3; ++axis) slopeSlab[axis] = slab(grid, 6 * SIDE_TEXELS + SHARED_TEXELS + side[axis]);
 #endif
 }
 
@@ -101,28 +113,28 @@ void clearSums()
 #if FILTER == 1
 vec3 perTexel;
 
-vec4 readAt(ivec3 slab, vec3 at)
+vec4 readAt(sampler3D light, ivec3 slab, vec3 at)
 {
     return texture(light, (vec3(slab) + at + 0.5) * perTexel);
 }
 
 // `at` lies among the slab's own texels, so that a filter takes none of another's.
-void add(vec3 at, float weight)
+void add(Grid grid, sampler3D light, sampler3D places, vec3 at, float weight)
 {
-    at = clamp(at, vec3(0.0), vec3(cells));
-#define ADD_SIDE(i) sideSum[i] += weight * readAt(sideSlab[i], at);
-#define ADD_SHARED(i) sharedSum[i] += weight * readAt(sharedSlab[i], at);
-#define ADD_SLOPE(i) slopeSum[i] += weight * readAt(slopeSlab[i], at).xyz;
+    at = clamp(at, vec3(0.0), vec3(grid.cells));
+#define ADD_SIDE(i) sideSum[i] += weight * readAt(light, sideSlab[i], at);
+#define ADD_SHARED(i) sharedSum[i] += weight * readAt(light, sharedSlab[i], at);
+#define ADD_SLOPE(i) slopeSum[i] += weight * readAt(light, slopeSlab[i], at).xyz;
     EACH_SIDE(ADD_SIDE)
     EACH_SHARED(ADD_SHARED)
     EACH_SLOPE(ADD_SLOPE)
 #if SLOPES == 1
-    placeSum += weight * texture(places, (at + 0.5) / vec3(cells + 1)).xyz;
+    placeSum += weight * texture(places, (at + 0.5) / vec3(grid.cells + 1)).xyz;
 #endif
 }
 #else
 #if SLOPES == 1
-void addAxis(int axis, ivec3 vertex, float weight)
+void addAxis(sampler3D light, int axis, ivec3 vertex, float weight)
 {
     vec4 texel = weight * texelFetch(light, sideSlab[axis] + vertex, 0);
     sideSum[axis] += texel;
@@ -131,11 +143,11 @@ void addAxis(int axis, ivec3 vertex, float weight)
 }
 #endif
 
-void add(ivec3 vertex, float weight)
+void add(sampler3D light, ivec3 vertex, float weight)
 {
 #define ADD_SIDE(i) sideSum[i] += weight * texelFetch(light, sideSlab[i] + vertex, 0);
 #define ADD_SHARED(i) sharedSum[i] += weight * texelFetch(light, sharedSlab[i] + vertex, 0);
-#define ADD_SLOPE(i) addAxis(i, vertex, weight);
+#define ADD_SLOPE(i) addAxis(light, i, vertex, weight);
 #if SLOPES == 1
     EACH_SLOPE(ADD_SLOPE)
 #else
@@ -145,7 +157,7 @@ void add(ivec3 vertex, float weight)
 }
 #endif
 
-// Irradiance in units of `scale` lux from the sums (w: 1), or nothing (w: 0).
+// Irradiance in units of the grid's scale from the sums (w: 1), or nothing (w: 0).
 vec4 blended(vec3 surface, vec3 n)
 {
     vec3 sum = vec3(0.0), correction = vec3(0.0);
@@ -187,21 +199,21 @@ vec4 blended(vec3 surface, vec3 n)
     return vec4(max(sum / share + correction, vec3(0.0)), 1.0);
 }
 
-vec3 lookupPlace(vec3 surface, vec3 n, float cellsAlong)
+vec3 lookupPlace(Grid grid, vec3 surface, vec3 n, float cellsAlong)
 {
-    vec3 inGrid = n / cellSize; // a cell along n is a step of length 1 in grid coordinates
+    vec3 inGrid = n / grid.cellSize; // a cell along n is a step of length 1 in grid coordinates
     return surface + inGrid * (cellsAlong / length(inGrid));
 }
 
 #if FILTER == 0
 // Sums up the vertices around `at` that are before the surface and from which no wall hides it, where `mayLean` also
 // those behind that see a wall which faces them as the surface does. Gives their weight.
-float addCorners(vec3 at, vec3 surface, vec3 n, bool mayLean)
+float addCorners(Grid grid, sampler3D light, usampler3D sight, vec3 at, vec3 surface, vec3 n, bool mayLean)
 {
-    vec3 inside = clamp(at, vec3(0.0), vec3(cells));
-    ivec3 cell = min(ivec3(inside), cells - 1);
+    vec3 inside = clamp(at, vec3(0.0), vec3(grid.cells));
+    ivec3 cell = min(ivec3(inside), grid.cells - 1);
     vec3 part = inside - vec3(cell);
-    vec3 side = n * cellSize;
+    vec3 side = n * grid.cellSize;
     float known = 0.0;
     clearSums();
     for (int k = 0; k < 8; ++k) {
@@ -218,45 +230,63 @@ float addCorners(vec3 at, vec3 surface, vec3 n, bool mayLean)
         weight *= gridSight(away, seen.xyz);
         if (weight <= 0.0) continue;
         known += weight;
-        add(vertex, weight);
+        add(light, vertex, weight);
     }
     return known;
 }
+#endif
 
-vec4 lookup(vec3 surface, vec3 n)
+// Lux (w: 1), or nothing (w: 0).
+vec4 lookup(Grid grid, sampler3D light, usampler3D sight, sampler3D places, vec3 p, vec3 n)
 {
+    vec3 surface = (p - grid.lowest) / grid.cellSize;
+    if (any(lessThan(surface, vec3(-1.0))) || any(greaterThan(surface, vec3(grid.cells + 1)))) return vec4(0.0);
+    chooseSlabs(grid, n);
+    vec3 at = lookupPlace(grid, surface, n, offset);
+#if FILTER == 0
     // in a gap or a corner, nearer vertices may be the only ones
-    if (addCorners(lookupPlace(surface, n, offset), surface, n, false) <= kLeastKnown &&
-        addCorners(surface, surface, n, true) <= 0.0)
+    if (addCorners(grid, light, sight, at, surface, n, false) <= kLeastKnown &&
+        addCorners(grid, light, sight, surface, surface, n, true) <= 0.0)
         return vec4(0.0);
-    return blended(surface, n);
-}
 #else
-vec4 lookup(vec3 surface, vec3 n)
-{
-    vec3 inside = clamp(lookupPlace(surface, n, offset), vec3(0.0), vec3(cells));
-    ivec3 cell = min(ivec3(inside), cells - 1);
+    vec3 inside = clamp(at, vec3(0.0), vec3(grid.cells));
+    ivec3 cell = min(ivec3(inside), grid.cells - 1);
     vec3 part = inside - vec3(cell);
     clearSums();
 #if FILTER == 1
-    perTexel = 1.0 / vec3(slabs * (cells + 1));
+    perTexel = 1.0 / vec3(grid.slabs * (grid.cells + 1));
     vec4 x = gridSplineReads(part.x), y = gridSplineReads(part.y), z = gridSplineReads(part.z);
     for (int k = 0; k < 8; ++k) {
         vec2 ax = (k & 1) == 0 ? x.xy : x.zw;
         vec2 ay = (k & 2) == 0 ? y.xy : y.zw;
         vec2 az = (k & 4) == 0 ? z.xy : z.zw;
-        add(vec3(cell) + vec3(ax.x, ay.x, az.x), ax.y * ay.y * az.y);
+        add(grid, light, places, vec3(cell) + vec3(ax.x, ay.x, az.x), ax.y * ay.y * az.y);
     }
 #else
     vec4 x = gridCatmullRom(part.x), y = gridCatmullRom(part.y), z = gridCatmullRom(part.z);
     for (int k = 0; k < 64; ++k) {
         ivec3 step = ivec3(k & 3, (k >> 2) & 3, k >> 4);
-        add(clamp(cell + step - 1, ivec3(0), cells), x[step.x] * y[step.y] * z[step.z]);
+        add(light, clamp(cell + step - 1, ivec3(0), grid.cells), x[step.x] * y[step.y] * z[step.z]);
     }
 #endif
-    return blended(surface, n);
-}
 #endif
+    return blended(surface, n) * vec4(vec3(grid.scale), 1.0);
+}
+
+// Same rule as IrradianceGrid::lookup.
+vec4 nestedLookup(vec3 p, vec3 n)
+{
+#if NESTED == 1
+    float part = gridInside(p, boxLow, boxHigh, fade);
+    vec4 fine = part > 0.0 ? lookup(inner, innerLight, innerSight, innerPlaces, p, n) : vec4(0.0);
+    if (fine.w > 0.0 && part >= 1.0) return fine;
+    vec4 coarse = lookup(outer, outerLight, outerSight, outerPlaces, p, n);
+    if (fine.w <= 0.0) return coarse;
+    return coarse.w > 0.0 ? mix(coarse, fine, part) : fine;
+#else
+    return lookup(outer, outerLight, outerSight, outerPlaces, p, n);
+#endif
+}
 
 void main()
 {
@@ -265,14 +295,10 @@ void main()
     if (place.w < 0.5) discard;
     vec4 normal = texelFetch(gNormal, pixel, 0);
     vec4 base = texelFetch(gBase, pixel, 0);
-    vec3 surface = (place.xyz - lowest) / cellSize;
-    if (any(lessThan(surface, vec3(-1.0))) || any(greaterThan(surface, vec3(cells + 1)))) discard;
-    chooseSlabs(normal.xyz);
-    vec4 found = lookup(surface, normal.xyz);
-    if (found.w <= 0.0) discard; // the picture shows direct light only
-    vec3 lux = found.xyz * scale;
+    vec4 found = nestedLookup(place.xyz, normal.xyz);
+    if (found.w <= 0.0) discard; // in a gap that has no vertex: the picture shows direct light only
     // a grid has too few directions for a gloss: metals without a map of their own are lit like matt paint
     bool isMirrored = mirrors == 1 && normal.w <= kMirrorsBelow && texelFetch(gEmission, pixel, 0).w > 0.5;
     float metal = isMirrored ? base.w : 0.0;
-    radiance = vec4(showIlluminance == 1 ? lux : lambert(base.xyz * (1.0 - metal), lux), 1.0);
+    radiance = vec4(showIlluminance == 1 ? found.xyz : lambert(base.xyz * (1.0 - metal), found.xyz), 1.0);
 }

@@ -15,6 +15,7 @@ using namespace lightloom;
 namespace {
 
 constexpr glm::ivec2 kSize{320, 240};
+constexpr const char* kNested = "cornell with a finer grid inside";
 constexpr float kHalfStep = 1.0f / 2048.0f; ///< largest relative error of rounding to a half
 constexpr float kLeastWeight = 2e-3f;       ///< of what filters find: with less, rounding of places matters
 
@@ -46,7 +47,7 @@ float lightAround(const IrradianceGrid& grid, glm::vec3 p, glm::vec3 n)
             for (const glm::vec3& value : grid.keptAt(v)) most = std::max(most, largest(value));
         });
     }
-    return most;
+    return grid.inside().weight(p) > 0.0f ? std::max(most, lightAround(*grid.inside().grid, p, n)) : most;
 }
 
 /// The least weight that the parts of a tricubic lookup find; 1 for trilinear ones.
@@ -62,12 +63,19 @@ float leastWeight(const IrradianceGrid& grid, glm::vec3 p, glm::vec3 n)
         for (const GridCorner& c : corners) weight += c.weight * grid.trust(c.vertex, part);
         least = std::min(least, weight);
     }
-    return least;
+    return grid.inside().weight(p) > 0.0f ? std::min(least, leastWeight(*grid.inside().grid, p, n)) : least;
 }
 
 /// What the compressed form gives: lengths and directions interpolated each on its own (RR-6983, section 4.2).
 bool compressedLookup(const IrradianceGrid& grid, glm::vec3 p, glm::vec3 n, glm::vec3& lux)
 {
+    if (const float part = grid.inside().weight(p); part > 0.0f) {
+        glm::vec3 fine, coarse;
+        const bool isFine = compressedLookup(*grid.inside().grid, p, n, fine);
+        const bool isCoarse = compressedLookup(*grid.withInside({}), p, n, coarse);
+        lux = isFine && isCoarse ? glm::mix(coarse, fine, part) : isFine ? fine : coarse;
+        return isFine || isCoarse;
+    }
     const GridLattice& lattice = grid.geometry().lattice;
     GridCorners corners;
     const glm::vec3 at = lookupPlace(lattice, p, n, grid.show().offset);
@@ -159,6 +167,13 @@ class GridPixelsTest : public QObject {
         params.photonCount = 60'000;
         params.gridSize = 16;
         params.gridShift = shift;
+        if (name == kNested) { // about a corner
+            const glm::vec3 low = scene->bounds.low + glm::vec3(scene->origin), size = scene->bounds.size();
+            params.gridNest = GridNest::box;
+            params.gridNestLowX = low.x - 0.1f * size.x, params.gridNestHighX = low.x + 0.6f * size.x;
+            params.gridNestLowY = low.y - 0.1f * size.y, params.gridNestHighY = low.y + 0.6f * size.y;
+            params.gridNestLowZ = low.z - 0.1f * size.z, params.gridNestHighZ = low.z + 0.6f * size.z;
+        }
         if (name == "wavy") params.gridSize = 6;
         if (name == "gallery") params.gridSizeY = 12, params.gridSizeZ = 7; // cells that are no cubes
         return kept = bakeGrid(scene, params);
@@ -192,6 +207,12 @@ private Q_SLOTS:
         row("cornell", 0.5f, GridRemap::joined, GridFilter::catmullRom, false);
         row("cornell", 0.5f, GridRemap::paper, GridFilter::trilinear, true);
         row("cornell", 0.5f, GridRemap::paper, GridFilter::bspline, true);
+        for (const GridRemap remap : {GridRemap::joined, GridRemap::flux, GridRemap::harmonic, GridRemap::paper}) {
+            for (const GridFilter filter : {GridFilter::trilinear, GridFilter::bspline, GridFilter::catmullRom})
+                row(kNested, 0.25f, remap, filter, false);
+        }
+        for (const GridFilter filter : {GridFilter::trilinear, GridFilter::bspline})
+            row(kNested, 0.25f, GridRemap::paper, filter, true);
     }
     void indirectEqualsLookup()
     {
@@ -200,7 +221,7 @@ private Q_SLOTS:
         QFETCH(int, remap);
         QFETCH(int, filter);
         QFETCH(bool, isCompressed);
-        Result<Scene> made = sampleScene(scene.toStdString());
+        Result<Scene> made = sampleScene(scene == kNested ? "cornell" : scene.toStdString());
         QVERIFY(made);
         const auto shown = std::make_shared<const Scene>(std::move(*made));
         const auto baked = bake(scene.toStdString(), shown, shift);
@@ -223,7 +244,7 @@ private Q_SLOTS:
         // between the axes come on top. All of these together: eight roundings of the largest number around.
         // Catmull-Rom's weights add up to 1.95 without their signs, over at least half of them found.
         const float roundings = GridFilter(filter) == GridFilter::catmullRom ? 32.0f : 8.0f;
-        std::size_t seen = 0, beyond = 0, missing = 0, faint = 0;
+        std::size_t seen = 0, beyond = 0, missing = 0, faint = 0, within = 0, seam = 0;
         float worst = 0.0f, mean = 0.0f, sum = 0.0f;
         for (std::size_t i = 0; i < pixels.size(); ++i) {
             if (surfaces.position[i].w < 0.5f) continue;
@@ -231,6 +252,9 @@ private Q_SLOTS:
             glm::vec3 lux(0.0f);
             const bool isKnown = isCompressed ? compressedLookup(*grid, p, n, lux) : grid->lookup(p, n, lux);
             ++seen;
+            const float part = grid->inside().weight(p);
+            within += part >= 1.0f ? 1 : 0;
+            seam += part > 0.0f && part < 1.0f ? 1 : 0;
             if (isKnown != (pixels[i].w > 0.5f)) ++missing;
             if (!isKnown || pixels[i].w < 0.5f) continue;
             if (leastWeight(*grid, p, n) < kLeastWeight) {
@@ -253,6 +277,12 @@ private Q_SLOTS:
         QVERIFY(beyond <= seen / 2000);
         QVERIFY(missing <= seen / 2000);
         QVERIFY(faint <= seen / 50);
+        if (scene == kNested) {
+            qInfo("%zu pixels within the finer grid, %zu between", within, seam);
+            QVERIFY(within > 5000 && seam > 1000 && within + seam < seen / 2);
+            QCOMPARE(gpu->memoryBytes(),
+                     2 * (gpu->light.size() + gpu->sight.size()) + 4 * gpu->places.size() + gpu->inside->memoryBytes());
+        }
     }
 
     void dimmingNeedsNoBake() // the same layers under another mix, however bright

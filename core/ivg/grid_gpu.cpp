@@ -233,6 +233,13 @@ try {
     packSight(grid, packer, gpu);
     packPlaces(grid, gpu);
     packLight(packer, gpu);
+    if (const GridInside& inside = grid.inside(); inside.grid) {
+        Result<GpuGrid> finer = makeGpuGrid(*inside.grid, packing);
+        if (!finer) return finer.error();
+        gpu.inside = std::make_shared<const GpuGrid>(std::move(*finer));
+        gpu.box = inside.box;
+        gpu.fade = inside.fade;
+    }
     return gpu;
 } catch (const std::bad_alloc&) {
     return Error{Error::Kind::outOfMemory,

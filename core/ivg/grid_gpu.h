@@ -39,12 +39,20 @@ struct GpuGrid {
     std::vector<float> places;        ///< 4 by vertex, or none
     std::size_t openVertices = 0;     ///< that know light
 
+    std::shared_ptr<const GpuGrid> inside; ///< a finer grid within, in the same form; null: there is none
+    Bounds box;                            ///< where it answers, scene space (GridInside)
+    float fade = 0.0f;                     ///< metres, from the box's faces
+
     [[nodiscard]] glm::ivec3 size() const { return slabs * lattice.vertices(); } ///< texels of `light`
     [[nodiscard]] int slabCount() const { return 6 * sideTexels + sharedTexels + (hasSlopes ? 6 : 0); }
-    [[nodiscard]] std::size_t memoryBytes() const { return 2 * (light.size() + sight.size()) + 4 * places.size(); }
+    [[nodiscard]] std::size_t memoryBytes() const ///< with that of the grid inside
+    {
+        return 2 * (light.size() + sight.size()) + 4 * places.size() + (inside ? inside->memoryBytes() : 0);
+    }
 };
 
-/// Errors: `compressed` asked of another remap than `paper`; more texels than memory can hold (says how many).
+/// With the finer grid inside, if there is one. Errors: `compressed` asked of another remap than `paper`; more texels
+/// than memory can hold (says how many).
 [[nodiscard]] Result<GpuGrid> makeGpuGrid(const IrradianceGrid& grid, GridPacking packing = GridPacking::exact);
 
 /// How many slabs along each axis, at least `count` in all, so that the longest side of the texture is shortest.

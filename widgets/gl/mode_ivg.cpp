@@ -11,7 +11,28 @@ QByteArray definesFor(const GpuGrid& grid)
         return QByteArray("#define ") + name + " " + QByteArray::number(value) + "\n";
     };
     return line("FILTER", static_cast<int>(grid.show.filter)) + line("SIDE_TEXELS", grid.sideTexels) +
-           line("SHARED_TEXELS", grid.sharedTexels) + line("SLOPES", grid.hasSlopes ? 1 : 0);
+           line("SHARED_TEXELS", grid.sharedTexels) + line("SLOPES", grid.hasSlopes ? 1 : 0) +
+           line("NESTED", grid.inside ? 1 : 0);
+}
+
+constexpr int kOuterUnit = 3, kInnerUnit = 7; ///< first of three; 6 has the emission
+
+/// Hands a grid to the program in use: the uniform `name`, and its textures to samplers whose names begin so.
+void setGridUniforms(const GlProgram& program, const QByteArray& name, int unit, const GpuGrid& grid,
+                     const GridTextures& textures)
+{
+    const auto bind = [&](const char* what, int at, const GlTexture& texture) {
+        program.setTexture((name + what).constData(), at, GL_TEXTURE_3D, texture.id());
+    };
+    bind("Light", unit, textures.light);
+    bind("Sight", unit + 1, textures.sight);
+    if (textures.places) bind("Places", unit + 2, textures.places);
+    const auto set = [&](const char* what, const auto& value) { program.set((name + what).constData(), value); };
+    set(".slabs", grid.slabs);
+    set(".cells", grid.lattice.cells);
+    set(".lowest", grid.lattice.lowest);
+    set(".cellSize", grid.lattice.cellSize);
+    set(".scale", grid.scale);
 }
 
 } // namespace
@@ -38,6 +59,7 @@ Result<const GlProgram*> ModeIvg::programFor(const ShaderLibrary& shaders, const
 Result<Done> ModeIvg::setGrid(const std::shared_ptr<const GpuGrid>& grid)
 {
     textures_.reset();
+    inner_.reset();
     grid_ = grid;
     if (!grid) return Done{};
     const Result<const GlProgram*> program = programFor(ShaderLibrary(), *grid);
@@ -45,6 +67,11 @@ Result<Done> ModeIvg::setGrid(const std::shared_ptr<const GpuGrid>& grid)
     program_ = *program;
     Result<GridTextures> uploaded = uploadGrid(gl_, *grid);
     if (!uploaded) return uploaded.error();
+    if (grid->inside) {
+        Result<GridTextures> finer = uploadGrid(gl_, *grid->inside);
+        if (!finer) return finer.error();
+        inner_ = std::move(*finer);
+    }
     textures_ = std::move(*uploaded);
     return Done{};
 }
@@ -54,16 +81,15 @@ void ModeIvg::draw(const ModeFrame& frame)
     if (!textures_) return;
     program_->use();
     frame.buffers.bind(*program_);
-    program_->setTexture("light", 3, GL_TEXTURE_3D, textures_->light.id());
-    program_->setTexture("sight", 4, GL_TEXTURE_3D, textures_->sight.id());
-    if (textures_->places) program_->setTexture("places", 5, GL_TEXTURE_3D, textures_->places.id());
     program_->setTexture("gEmission", 6, GL_TEXTURE_2D, frame.buffers.emission.id());
-    program_->set("slabs", grid_->slabs);
-    program_->set("cells", grid_->lattice.cells);
-    program_->set("lowest", grid_->lattice.lowest);
-    program_->set("cellSize", grid_->lattice.cellSize);
+    setGridUniforms(*program_, "outer", kOuterUnit, *grid_, *textures_);
+    if (inner_) {
+        setGridUniforms(*program_, "inner", kInnerUnit, *grid_->inside, *inner_);
+        program_->set("boxLow", grid_->box.low);
+        program_->set("boxHigh", grid_->box.high);
+        program_->set("fade", grid_->fade);
+    }
     program_->set("offset", grid_->show.offset);
-    program_->set("scale", grid_->scale);
     program_->set("mirrors", frame.mirrors ? 1 : 0);
     program_->set("showIlluminance", frame.showIlluminance ? 1 : 0);
     drawFullscreen(gl_);

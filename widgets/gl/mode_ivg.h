@@ -28,9 +28,9 @@ private:
     Result<const GlProgram*> programFor(const ShaderLibrary& shaders, const GpuGrid& grid);
 
     Gl& gl_;
-    std::map<QByteArray, GlProgram> programs_; ///< by their defines
-    const GlProgram* program_ = nullptr;       ///< of the grid that is shown
-    std::optional<GridTextures> textures_;
+    std::map<QByteArray, GlProgram> programs_;     ///< by their defines
+    const GlProgram* program_ = nullptr;           ///< of the grid that is shown
+    std::optional<GridTextures> textures_, inner_; ///< inner: of the finer grid, if there is one
     std::shared_ptr<const GpuGrid> grid_;
 };
 
