@@ -15,6 +15,7 @@
 #include <QLabel>
 #include <QSlider>
 #include <QStatusBar>
+#include <QToolButton>
 
 using namespace lightloom;
 using namespace lightloom::test;
@@ -135,6 +136,53 @@ private Q_SLOTS:
         QVERIFY(looksAnew([&] { actionNamed(*window_, "Undo")->trigger(); }));
         QCOMPARE(grid()->show().filter, GridFilter::trilinear);
         QCOMPARE(picture(), trilinear);
+    }
+
+    void aFinerGridInsideIsShown()
+    {
+        const QImage plain = picture();
+        const std::size_t bytes = window_->snapshots().shown()->textureBytes();
+        auto* nest = window_->findChild<QComboBox*>("grid.nest");
+        QVERIFY(nest);
+        for (const GridNest wanted : {GridNest::automatic, GridNest::off}) {
+            QSignalSpy ended(window_.get(), &MainWindow::bakeEnded);
+            Q_EMIT nest->activated(int(wanted)); // as a choice by hand
+            QVERIFY(ended.wait(kPatience) && ended.last().first().toBool());
+            const BakeView* view = window_->snapshots().shown();
+            QVERIFY2(view->problem.isEmpty() && view->gpuGrid, qPrintable(view->problem));
+            const bool isNested = wanted == GridNest::automatic;
+            QCOMPARE(view->gpuGrid->inside != nullptr, isNested);
+            QVERIFY(isNested ? view->textureBytes() > bytes : view->textureBytes() == bytes);
+            QVERIFY(isNested == (picture() != plain));
+        }
+    }
+
+    void snapshotsAreNamedByWhatTheyAreOf() // cells, photons, form
+    {
+        QStringList names;
+        const auto read = [&] {
+            names.clear();
+            for (const QToolButton* button : window_->snapshots().findChildren<QToolButton*>())
+                names += button->text().section("  ", 0, 0);
+        };
+        QSignalSpy ended(window_.get(), &MainWindow::bakeEnded);
+        BakeParams params = smallBake();
+        params.gridSize = 10;
+        params.photonCount = 150'000;
+        params.gridNest = GridNest::automatic;
+        window_->setParams(params);
+        QVERIFY(ended.wait(kPatience) && ended.last().first().toBool());
+        read();
+        QCOMPARE(names, QStringList({"N 10, 66k", "N 10, 131k", "N 10, 150k", "N 10 + 20, 150k"}));
+        QVERIFY(looksAnew([&] { actionNamed(*window_, "Flux")->trigger(); }));
+        read();
+        QCOMPARE(names.last(), QString("N 10 + 20, 150k, flux"));
+        QVERIFY(looksAnew([&] { actionNamed(*window_, "Undo")->trigger(); }));
+        read();
+        QCOMPARE(names.last(), QString("N 10 + 20, 150k"));
+        ended.clear();
+        actionNamed(*window_, "Undo")->trigger();
+        QVERIFY(ended.wait(kPatience));
     }
 
     void dimmingNeedsNoBake()

@@ -173,6 +173,52 @@ private Q_SLOTS:
         }
     }
 
+    void aGridsSweepVariesWhatAGridReads() // and each method keeps its own rows
+    {
+        Room room(scene_.file());
+        QVERIFY(room.isBaked);
+        const auto* param = room.find<QComboBox>("sweep.param0");
+        QVERIFY(param->findData("gather.count") >= 0 && param->findData("grid.size") < 0);
+        QSignalSpy ended(room.window.get(), &MainWindow::bakeEnded);
+        QTest::keyClick(room.window->viewport(), Qt::Key_2);
+        QVERIFY(ended.wait(kPatience));
+        QCOMPARE(room.panel().method(), Method::irradianceGrid);
+        QVERIFY(param->findData("gather.count") < 0);
+        QCOMPARE(param->currentData().toString(), QString("grid.size"));
+        QVERIFY2(room.panel().stateText().startsWith("3 bakes"), qPrintable(room.panel().stateText()));
+        room.vary(0, "grid.size", "8,12");
+        room.vary(1, "photons", "20000,40000");
+        QVERIFY(room.measure());
+        const std::vector<SweepRow> rows = room.panel().rows();
+        QCOMPARE(rows.size(), std::size_t(4));
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            QCOMPARE(rows[i].params.gridSize, i < 2 ? 8 : 12);
+            QCOMPARE(rows[i].params.photonCount, i % 2 == 0 ? 20'000 : 40'000);
+            QVERIFY(rows[i].error.relRmse > 0.0 && rows[i].error.relRmse < 0.5 && rows[i].cpuSeconds() > 0.0);
+            for (std::size_t j = 0; j < i; ++j) QVERIFY(rows[i].error.relRmse != rows[j].error.relRmse);
+        }
+        ended.clear();
+        QTest::mouseClick(&room.panel().plot(), Qt::LeftButton, {}, room.panel().plot().placeOf(3)->toPoint());
+        QVERIFY(ended.wait(kPatience) && ended.first().first().toBool());
+        const auto grid =
+            std::dynamic_pointer_cast<const IrradianceGrid>(room.window->snapshots().shown()->snapshot.field);
+        QVERIFY(grid);
+        const glm::ivec3 cells = grid->geometry().lattice.cells;
+        QCOMPARE(std::max({cells.x, cells.y, cells.z}), 12);
+        const QString name = shortName(*room.window->snapshots().shown());
+        QCOMPARE(name, QString("N 12, 40k"));
+        ended.clear();
+        QTest::keyClick(room.window->viewport(), Qt::Key_1);
+        QVERIFY(ended.wait(kPatience));
+        QVERIFY(room.panel().rows().empty());
+        QVERIFY(param->findData("grid.size") < 0);
+        ended.clear();
+        QTest::keyClick(room.window->viewport(), Qt::Key_2);
+        QVERIFY(ended.wait(kPatience));
+        QCOMPARE(room.panel().rows().size(), std::size_t(4));
+        QCOMPARE(room.find<QLineEdit>("sweep.values0")->text(), QString("8,12"));
+    }
+
     void whatCannotBeBakedIsSaidBefore()
     {
         Room room(scene_.file());

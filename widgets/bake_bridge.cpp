@@ -3,7 +3,9 @@
 #include "core/bake/solver_for.h"
 #include "core/photonmap/photon_map_solver.h"
 #include "core/photonmap/photon_products.h"
+#include "core/trace/photon_segments.h"
 #include "widgets/background.h"
+#include <algorithm>
 #include <thread>
 
 namespace lightloom {
@@ -28,6 +30,14 @@ std::shared_ptr<const PhotonMapField> photonsOf(const BakeJob& job, const SceneP
     const std::optional<PhotonProducts> kept = keptPhotons(job, scene, products);
     if (!kept) return nullptr;
     return photonMapField(job.params, job.scene->bounds, kept->area, kept->maps, job.mix);
+}
+
+/// A lamp's photons that a grid's snapshot was made from; 0: no grid.
+std::uint64_t photonsBehind(const Snapshot& snapshot, const WorkCounters& counters)
+{
+    if (!snapshot.field || snapshot.field->method() != "irradiance-grid") return 0;
+    if (!snapshot.isRough) return counters.photonsPerGroup;
+    return std::min(counters.photonsPerGroup, kSegmentBlock << snapshot.level); // IvgSolver: after 2^level blocks
 }
 
 } // namespace
@@ -103,6 +113,7 @@ void BakeBridge::publish(Snapshot snapshot)
         look = look_;
         if (serial_ == view.snapshot.serial) job = job_;
     }
+    view.photonsPerLamp = photonsBehind(view.snapshot, session_->products().counters);
     view.cpuSeconds = allCpuSeconds(session_->products().counters.stages);
     // the solver made these for the same scene, so that this only finds them; a newer job will publish its own
     view.params = job.params;

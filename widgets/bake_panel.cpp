@@ -116,7 +116,7 @@ void BakePanel::add(const BakeView& view)
     if (!times_.isEmpty()) times_ += QStringLiteral("<br>");
     const QString cost = tr("%1, %2 CPU-s").arg(seconds(view.snapshot.elapsedMs)).arg(view.cpuSeconds, 0, 'f', 2);
     if (view.isGrid()) {
-        times_ += tr("%1: %2, %3").arg(shortName(view.snapshot), cost, gridSizeText(view.snapshot));
+        times_ += tr("%1: %2, %3").arg(shortName(view), cost, gridSizeText(view.snapshot));
     } else {
         const QString what = view.snapshot.isRough ? tr("Rough") : tr("Depth %1").arg(view.snapshot.level);
         times_ += tr("%1: %2, %3 entries").arg(what, cost, count(view.entries));

@@ -2,8 +2,10 @@
 #include "widgets/bake_view.h"
 #include "core/compare/field_noise.h"
 #include "core/octree/detail_union.h"
+#include <QLocale>
 #include <QObject>
 #include <algorithm>
+#include <cmath>
 
 namespace lightloom {
 
@@ -60,9 +62,6 @@ void addGrid(std::shared_ptr<const IrradianceGrid> grid, const Look& look, BakeV
     Result<GpuGrid> gpu = makeGpuGrid(*grid, look.packing);
     if (gpu) {
         view.gpuGrid = std::make_shared<const GpuGrid>(std::move(*gpu));
-        if (grid->inside().grid)
-            view.problem = QStringLiteral("The picture shows the outer grid alone; figures, comparison and export know "
-                                          "the finer one inside.");
     } else {
         view.problem = QString::fromStdString(gpu.error().message);
     }
@@ -80,31 +79,69 @@ const IrradianceGrid* gridOf(const Snapshot& snapshot)
 
 int longestSide(glm::ivec3 cells) { return std::max({cells.x, cells.y, cells.z}); }
 
+/// "N 32", with a finer grid inside also how many of its cells would lie along there: "N 32 + 64".
+QString cellsName(const IrradianceGrid& grid)
+{
+    const GridLattice& lattice = grid.geometry().lattice;
+    const int n = longestSide(lattice.cells);
+    if (!grid.inside().grid) return QObject::tr("N %1").arg(n);
+    const float finer = lattice.cellSize.x / grid.inside().grid->geometry().lattice.cellSize.x;
+    return QObject::tr("N %1 + %2").arg(n).arg(std::lround(static_cast<float>(n) * finer));
+}
+
+/// "65k", "2M", "1.5M".
+QString countName(std::uint64_t count)
+{
+    const auto n = static_cast<double>(count);
+    if (n < 1e3) return QString::number(count);
+    return n < 1e6 ? QObject::tr("%1k").arg(n / 1e3, 0, 'f', 0) : QObject::tr("%1M").arg(n / 1e6, 0, 'g', 3);
+}
+
+QString remapName(GridRemap remap)
+{
+    return QString::fromLatin1(kGridRemapNames[static_cast<std::size_t>(remap)].data());
+}
+
 } // namespace
 
 QString gridSizeText(const Snapshot& snapshot)
 {
     const IrradianceGrid* grid = gridOf(snapshot);
     if (grid == nullptr) return {};
-    const glm::ivec3 cells = grid->geometry().lattice.cells;
-    return QObject::tr("%1 x %2 x %3 cells").arg(cells.x).arg(cells.y).arg(cells.z);
+    const auto sides = [](const IrradianceGrid& one) {
+        const glm::ivec3 cells = one.geometry().lattice.cells;
+        return QObject::tr("%1 x %2 x %3").arg(cells.x).arg(cells.y).arg(cells.z);
+    };
+    const QString text = QObject::tr("%1 cells").arg(sides(*grid));
+    if (!grid->inside().grid) return text;
+    return QObject::tr("%1, %2 finer ones inside").arg(text, sides(*grid->inside().grid));
 }
 
-QString shortName(const Snapshot& snapshot)
+QString shortName(const BakeView& view)
 {
-    if (snapshot.isRough) return QObject::tr("rough");
-    if (const IrradianceGrid* grid = gridOf(snapshot))
-        return QObject::tr("N %1").arg(longestSide(grid->geometry().lattice.cells));
-    return QObject::tr("d%1").arg(snapshot.level);
+    const IrradianceGrid* grid = gridOf(view.snapshot);
+    if (grid == nullptr)
+        return view.snapshot.isRough ? QObject::tr("rough") : QObject::tr("d%1").arg(view.snapshot.level);
+    QString name = cellsName(*grid);
+    if (view.photonsPerLamp > 0) name = QObject::tr("%1, %2").arg(name, countName(view.photonsPerLamp));
+    if (grid->show().remap != GridRemap::joined) name = QObject::tr("%1, %2").arg(name, remapName(grid->show().remap));
+    return name;
 }
 
-QString fullName(const Snapshot& snapshot)
+QString fullName(const BakeView& view)
 {
-    const IrradianceGrid* grid = gridOf(snapshot);
-    if (snapshot.isRough)
-        return grid != nullptr ? QObject::tr("Irradiance grid, rough") : QObject::tr("Light octree, rough");
-    if (grid == nullptr) return QObject::tr("Light octree, depth %1").arg(snapshot.level);
-    const QString name = QObject::tr("Irradiance grid, N %1").arg(longestSide(grid->geometry().lattice.cells));
+    const IrradianceGrid* grid = gridOf(view.snapshot);
+    if (grid == nullptr) {
+        return view.snapshot.isRough ? QObject::tr("Light octree, rough")
+                                     : QObject::tr("Light octree, depth %1").arg(view.snapshot.level);
+    }
+    QString name = QObject::tr("Irradiance grid, %1").arg(cellsName(*grid));
+    if (view.photonsPerLamp > 0) {
+        const QString photons = QLocale().toString(static_cast<qulonglong>(view.photonsPerLamp));
+        name = view.snapshot.isRough ? QObject::tr("%1, the first %2 photons a lamp").arg(name, photons)
+                                     : QObject::tr("%1, %2 photons a lamp").arg(name, photons);
+    }
+    name = QObject::tr("%1, %2").arg(name, remapName(grid->show().remap));
     switch (grid->show().filter) {
     case GridFilter::bspline:
         return QObject::tr("%1, tricubic").arg(name);

@@ -39,8 +39,9 @@ struct BakeView {
     std::shared_ptr<const LightSampler> lights;                   ///< of the same scene
     std::shared_ptr<const LightReach> reach;                      ///< likewise
     std::shared_ptr<const std::vector<SurfacePoint>> noisePoints; ///< where noise is asked for; null: nowhere
-    std::optional<double> noise; ///< what the bake itself states, a fraction of the mean, under its mix
-    double cpuSeconds = 0;       ///< of all threads, until this was published; what was kept counts as it cost then
+    std::optional<double> noise;      ///< what the bake itself states, a fraction of the mean, under its mix
+    std::uint64_t photonsPerLamp = 0; ///< of a grid, so far; 0: not known
+    double cpuSeconds = 0; ///< of all threads, until this was published; what was kept counts as it cost then
     std::uint64_t leaves = 0, entries = 0; ///< of an octree
 
     [[nodiscard]] bool isGrid() const { return snapshot.field && snapshot.field->method() == "irradiance-grid"; }
@@ -57,12 +58,13 @@ struct Measurement {
     double directLux = 0, indirectLux = -1; ///< luminance of the illuminance; negative: not known there
 };
 
-/// "32 x 20 x 32 cells".
+/// "32 x 20 x 32 cells", "32 x 20 x 32 cells, 40 x 40 x 24 finer ones inside".
 [[nodiscard]] QString gridSizeText(const Snapshot& snapshot);
-/// A refinement in a word or two: "rough", "d5", "N 32".
-[[nodiscard]] QString shortName(const Snapshot& snapshot);
-/// The same in words: "Light octree, depth 5", "Irradiance grid, N 32, tricubic".
-[[nodiscard]] QString fullName(const Snapshot& snapshot);
+/// A refinement in a word or two, by what tells it from others: "rough", "d5"; of a grid its cells, photons a lamp and,
+/// where it is not the usual one, its form: "N 32, 400k", "N 48 + 96, 2M, flux".
+[[nodiscard]] QString shortName(const BakeView& view);
+/// The same in words: "Light octree, depth 5", "Irradiance grid, N 32, 400,000 photons a lamp, joined, tricubic".
+[[nodiscard]] QString fullName(const BakeView& view);
 
 /// `view` looked at in another way. Any thread; a few milliseconds to some hundred for the largest bakes.
 [[nodiscard]] BakeView withLook(BakeView view, const Look& look);

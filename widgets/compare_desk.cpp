@@ -262,7 +262,7 @@ void CompareDesk::take(const ErrorPicture& picture)
     }
     error_ = picture.error;
     parts_.viewport->setErrors(error_);
-    parts_.panel->show(picture);
+    parts_.panel->show(picture, fullName(view_));
     tellLegend();
     Q_EMIT errorsShown();
 }
@@ -276,7 +276,7 @@ void CompareDesk::tellNames()
         left += tr(", noise %1 %").arg(100.0 * picture_->noise, 0, 'f', 1);
     }
     const ViewMode mode = parts_.viewport->mode();
-    QString right = fullName(view_.snapshot);
+    QString right = fullName(view_);
     if (mode == ViewMode::atlas) right = tr("Atlas of %1").arg(right);
     if (mode == ViewMode::colours) right = tr("Colours of %1").arg(right);
     if (mode == ViewMode::photonMap) right = tr("Photon map");

@@ -139,7 +139,7 @@ void ComparePanel::show(const ReferencePicture& picture)
     state_->setText(line);
 }
 
-void ComparePanel::show(const ErrorPicture& picture)
+void ComparePanel::show(const ErrorPicture& picture, const QString& judged)
 {
     if (!picture.error) {
         forgetErrors();
@@ -147,7 +147,7 @@ void ComparePanel::show(const ErrorPicture& picture)
         return;
     }
     const ErrorMetrics& m = picture.error->metrics;
-    judged_->setText(fullName(picture.snapshot));
+    judged_->setText(judged);
     if (picture.error->noise > kNoisy * m.relRmse)
         judged_->setText(tr("%1; noise of the reference still counts").arg(judged_->text()));
     for (std::size_t i = 0; i < kFigures.size(); ++i)

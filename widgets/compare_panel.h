@@ -23,7 +23,7 @@ public:
 
     void showState(const QString& line); ///< in place of progress: off, waiting, starting anew
     void show(const ReferencePicture& picture);
-    void show(const ErrorPicture& picture);
+    void show(const ErrorPicture& picture, const QString& judged); ///< judged: what the errors are of
     void forgetErrors();
     [[nodiscard]] QString stateText() const;
     [[nodiscard]] QString judgedText() const;    ///< what the figures are of

@@ -376,6 +376,7 @@ void MainWindow::useMethod(Method method)
     method_ = method;
     paramPanel_->setMethod(method);
     bakePanel_->setMethod(method);
+    sweepPanel_->setMethod(method);
     startBake(false);
 }
 
@@ -451,7 +452,8 @@ void MainWindow::showView(const BakeView& view)
     const auto number = [](std::size_t n) { return QLocale().toString(static_cast<qulonglong>(n)); };
     if (view.isGrid()) {
         statusSize_->setText(tr("%1  %2").arg(gridSizeText(view.snapshot), size));
-        const std::size_t open = view.gpuGrid ? view.gpuGrid->openVertices : 0;
+        std::size_t open = view.gpuGrid ? view.gpuGrid->openVertices : 0;
+        if (open > 0 && view.gpuGrid->inside) open += view.gpuGrid->inside->openVertices;
         statusSize_->setToolTip(tr("Irradiance grid as shown: %1 vertices know light, %2").arg(number(open), all));
     } else {
         statusSize_->setText(tr("d%1  %2 leaves  %3").arg(view.snapshot.level).arg(number(view.leaves), size));

@@ -51,14 +51,8 @@ void SnapshotBar::makeRoom()
 void SnapshotBar::add(const BakeView& view)
 {
     const bool follows = views_.empty() || shown_ + 1 == views_.size();
-    const double seconds = view.snapshot.elapsedMs / 1000.0;
     auto* button = new QToolButton;
-    const QString took = tr("%1 s").arg(seconds, 0, 'f', seconds < 10.0 ? 2 : 1);
-    button->setText(shortName(view.snapshot) + QStringLiteral("  ") + took);
-    QString tip = (view.snapshot.isFinal ? tr("Final: %1") : tr("Refinement: %1")).arg(fullName(view.snapshot));
-    if (view.noise) tip += tr(", noise %1 % as the bake states it").arg(100.0 * *view.noise, 0, 'f', 1);
-    button->setToolTip(tip);
-    button->setAccessibleName(tr("Snapshot: %1").arg(fullName(view.snapshot)));
+    tell(*button, view);
     button->setCheckable(true);
     button->setAutoRaise(true);
     const std::size_t index = views_.size();
@@ -76,6 +70,17 @@ void SnapshotBar::add(const BakeView& view)
         QTimer::singleShot(0, button, [this, button] { ensureWidgetVisible(button, 0, 0); }); // it has a place then
 }
 
+void SnapshotBar::tell(QToolButton& button, const BakeView& view)
+{
+    const double seconds = view.snapshot.elapsedMs / 1000.0;
+    const QString took = tr("%1 s").arg(seconds, 0, 'f', seconds < 10.0 ? 2 : 1);
+    button.setText(shortName(view) + QStringLiteral("  ") + took);
+    QString tip = (view.snapshot.isFinal ? tr("Final: %1") : tr("Refinement: %1")).arg(fullName(view));
+    if (view.noise) tip += tr(", noise %1 % as the bake states it").arg(100.0 * *view.noise, 0, 'f', 1);
+    button.setToolTip(tip);
+    button.setAccessibleName(tr("Snapshot: %1").arg(fullName(view)));
+}
+
 void SnapshotBar::choose(std::size_t index)
 {
     shown_ = index;
@@ -88,6 +93,7 @@ void SnapshotBar::replaceShown(const BakeView& view)
         views_[shown_].snapshot.level == view.snapshot.level &&
         views_[shown_].snapshot.isRough == view.snapshot.isRough) {
         views_[shown_] = view;
+        tell(*buttons_[shown_], view); // another form is another name
     }
 }
 

@@ -32,8 +32,8 @@ protected:
     void resizeEvent(QResizeEvent* event) override; ///< what is shown stays in sight
 
 private:
+    static void tell(QToolButton& button, const BakeView& view);
     void choose(std::size_t index);
-
     void makeRoom();
 
     QHBoxLayout* row_;

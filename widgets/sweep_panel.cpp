@@ -26,15 +26,22 @@ namespace lightloom {
 
 namespace {
 
-constexpr Method kMethod = Method::lightOctree;
 constexpr int kTellMs = 250; ///< between changes of the progress: each composes the window anew
 
 QString text(std::string_view s) { return QString::fromUtf8(s.data(), static_cast<qsizetype>(s.size())); }
 
 /// Parameters that change a bake of the method, and not only how it is shown.
-bool canVary(const ParamSpec& spec)
+bool canVary(const ParamSpec& spec, Method method)
 {
-    return (spec.methods & (1u << static_cast<unsigned>(kMethod))) != 0 && spec.redo != Stage::show;
+    return (spec.methods & (1u << static_cast<unsigned>(method))) != 0 && spec.redo != Stage::show;
+}
+
+/// What its accuracy hangs on first.
+const char* firstParam(Method method) { return method == Method::irradianceGrid ? "grid.size" : "gather.count"; }
+
+QString nameOf(Method method)
+{
+    return method == Method::irradianceGrid ? QObject::tr("the irradiance grid") : QObject::tr("the light octree");
 }
 
 /// A few values around the default that the parameter can take.
@@ -73,7 +80,8 @@ SweepPanel::SweepPanel(QWidget* parent)
       savePlot_(new QPushButton(tr("Save plot..."))), bar_(thinProgress(tr("Progress of measuring"))),
       state_(textLines()), plot_(new TradePlot), table_(new QTableWidget)
 {
-    edits_ = {makeAxis(0, "gather.count"), makeAxis(1, "")};
+    edits_ = {makeAxis(0), makeAxis(1)};
+    fillAxes();
     build();
     connect(run_, &QPushButton::clicked, this, &SweepPanel::run);
     connect(cancel_, &QPushButton::clicked, this, [this] { worker_.cancel(); });
@@ -90,32 +98,46 @@ SweepPanel::SweepPanel(QWidget* parent)
     tellPlan();
 }
 
-SweepPanel::AxisEdit SweepPanel::makeAxis(int number, const char* first)
+SweepPanel::AxisEdit SweepPanel::makeAxis(int number)
 {
     AxisEdit edit{new QComboBox, new QLineEdit};
-    if (number > 0) edit.param->addItem(tr("nothing else"), QString());
-    for (const ParamSpec& spec : kParams) {
-        if (canVary(spec)) edit.param->addItem(text(spec.label), text(spec.key));
-    }
     edit.param->setObjectName(QStringLiteral("sweep.param%1").arg(number));
     edit.param->setAccessibleName(number == 0 ? tr("Parameter to vary") : tr("Second parameter to vary"));
     edit.param->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
-    edit.param->setCurrentIndex(std::max(0, edit.param->findData(QString::fromLatin1(first))));
     edit.values->setObjectName(QStringLiteral("sweep.values%1").arg(number));
     edit.values->setAccessibleName(tr("Its values"));
     edit.values->setToolTip(tr("Values: 50,100,200 or a range 4..7:1 or a geometric one 100000..800000*2"));
-    const auto suggest = [edit] {
-        const ParamSpec* spec = findParam(edit.param->currentData().toString().toStdString());
-        edit.values->setEnabled(spec != nullptr);
-        edit.values->setText(spec != nullptr ? suggestion(*spec) : QString());
-    };
-    suggest();
-    connect(edit.param, &QComboBox::currentIndexChanged, this, [this, suggest] {
-        suggest();
+    connect(edit.param, &QComboBox::currentIndexChanged, this, [this, edit] {
+        suggest(edit);
         tellPlan();
     });
     connect(edit.values, &QLineEdit::textEdited, this, &SweepPanel::tellPlan);
     return edit;
+}
+
+void SweepPanel::suggest(const AxisEdit& edit)
+{
+    const ParamSpec* spec = findParam(edit.param->currentData().toString().toStdString());
+    edit.values->setEnabled(spec != nullptr);
+    edit.values->setText(spec != nullptr ? suggestion(*spec) : QString());
+}
+
+void SweepPanel::fillAxes()
+{
+    for (std::size_t i = 0; i < edits_.size(); ++i) {
+        const AxisEdit& edit = edits_[i];
+        const std::optional<Measured::Choice>& choice = shown().choices[i];
+        const QSignalBlocker quiet(edit.param);
+        edit.param->clear();
+        if (i > 0) edit.param->addItem(tr("nothing else"), QString());
+        for (const ParamSpec& spec : kParams) {
+            if (canVary(spec, method_)) edit.param->addItem(text(spec.label), text(spec.key));
+        }
+        const QString first = i == 0 ? QString::fromLatin1(firstParam(method_)) : QString();
+        edit.param->setCurrentIndex(std::max(0, edit.param->findData(choice ? choice->param : first)));
+        suggest(edit);
+        if (choice) edit.values->setText(choice->values);
+    }
 }
 
 void SweepPanel::build()
@@ -171,8 +193,22 @@ void SweepPanel::setScene(std::shared_ptr<const Scene> scene, const QString& fil
     isRunning_ = false;
     scene_ = std::move(scene);
     file_ = file;
-    rows_.clear();
-    axes_.clear();
+    for (auto& [method, measured] : measured_) {
+        measured.rows.clear();
+        measured.axes.clear();
+    }
+    showRows();
+    tellPlan();
+}
+
+void SweepPanel::setMethod(Method method)
+{
+    if (method == method_) return;
+    for (std::size_t i = 0; i < edits_.size(); ++i)
+        measured_[method_].choices[i] = {edits_[i].param->currentData().toString(), edits_[i].values->text()};
+    method_ = method;
+    measured_.try_emplace(method);
+    fillAxes();
     showRows();
     tellPlan();
 }
@@ -180,7 +216,7 @@ void SweepPanel::setScene(std::shared_ptr<const Scene> scene, const QString& fil
 void SweepPanel::setBase(const BakeParams& params)
 {
     base_ = params;
-    if (!isRunning_ && rows_.empty()) tellPlan();
+    if (!isRunning_ && rows().empty()) tellPlan();
 }
 
 void SweepPanel::holdFor(const QString& reason)
@@ -193,11 +229,11 @@ void SweepPanel::holdFor(const QString& reason)
 
 Result<SweepPlan> SweepPanel::plan() const
 {
-    SweepPlan plan{scene_, kMethod, Isa::automatic, base_, {}, QCoreApplication::applicationVersion().toStdString()};
+    SweepPlan plan{scene_, method_, Isa::automatic, base_, {}, QCoreApplication::applicationVersion().toStdString()};
     for (const AxisEdit& edit : edits_) {
         const QString key = edit.param->currentData().toString();
         if (key.isEmpty()) continue;
-        Result<SweepAxis> axis = parseSweepAxis((key + '=' + edit.values->text().remove(' ')).toStdString(), kMethod);
+        Result<SweepAxis> axis = parseSweepAxis((key + '=' + edit.values->text().remove(' ')).toStdString(), method_);
         if (!axis) return axis.error();
         plan.axes.push_back(*std::move(axis));
     }
@@ -211,7 +247,10 @@ void SweepPanel::tellPlan()
     const Result<SweepPlan> planned = plan();
     run_->setEnabled(planned && scene_ && !isRunning_);
     cancel_->setEnabled(isRunning_);
-    if (isRunning_) return;
+    if (isRunning_) {
+        if (running_ != method_) state_->setText(tr("Measures %1").arg(nameOf(running_)));
+        return;
+    }
     setFraction(*bar_, 0.0);
     if (!planned) {
         state_->setText(QString::fromStdString(planned.error().message));
@@ -225,11 +264,13 @@ void SweepPanel::run()
 {
     const Result<SweepPlan> planned = plan();
     if (!planned || !scene_) return;
-    rows_.clear();
-    axes_ = planned->axes;
-    wanted_.clear();
-    const Result<std::vector<BakeParams>> rows = sweepRows(planned->base, axes_); // fine: `plan` has tried it
-    for (const BakeParams& row : *rows) wanted_.push_back(axesText(axes_, row));
+    running_ = method_;
+    Measured& measured = measured_[running_];
+    measured.rows.clear();
+    measured.axes = planned->axes;
+    measured.wanted.clear();
+    const Result<std::vector<BakeParams>> rows = sweepRows(planned->base, measured.axes); // fine: `plan` has tried it
+    for (const BakeParams& row : *rows) measured.wanted.push_back(axesText(measured.axes, row));
     showRows();
     isRunning_ = true;
     told_.invalidate();
@@ -245,10 +286,11 @@ void SweepPanel::take(const SweepProgress& progress)
     if (told_.isValid() && told_.elapsed() < kTellMs) return;
     told_.start();
     setFraction(*bar_, progress.fraction);
+    if (running_ != method_) return; // the window is about another one
     QString line = progress.isJudge ? tr("Tracing the reference, %1 %").arg(100.0 * progress.fraction, 0, 'f', 0)
                                     : tr("%1 of %2 bakes, %3 %")
-                                          .arg(rows_.size())
-                                          .arg(wanted_.size())
+                                          .arg(rows().size())
+                                          .arg(shown().wanted.size())
                                           .arg(100.0 * progress.fraction, 0, 'f', 0);
     if (progress.remainingSeconds >= 0.0) line += tr(", about %1 s left").arg(progress.remainingSeconds, 0, 'f', 0);
     state_->setText(line);
@@ -257,10 +299,13 @@ void SweepPanel::take(const SweepProgress& progress)
 void SweepPanel::takeRow(quint64 serial, const SweepRow& row)
 {
     if (serial != serial_) return;
-    rows_.push_back(row);
-    const auto place = [this](const SweepRow& r) { return std::ranges::find(wanted_, axesText(axes_, r.params)); };
-    std::ranges::stable_sort(rows_, {}, [&](const SweepRow& r) { return place(r) - wanted_.begin(); });
-    showRows();
+    Measured& measured = measured_[running_];
+    measured.rows.push_back(row);
+    const auto place = [&](const SweepRow& r) {
+        return std::ranges::find(measured.wanted, axesText(measured.axes, r.params)) - measured.wanted.begin();
+    };
+    std::ranges::stable_sort(measured.rows, {}, place);
+    if (running_ == method_) showRows();
 }
 
 void SweepPanel::end(quint64 serial, const QString& error, bool isCancelled)
@@ -268,48 +313,50 @@ void SweepPanel::end(quint64 serial, const QString& error, bool isCancelled)
     if (serial != serial_) return;
     isRunning_ = false;
     tellPlan();
+    const Measured& measured = measured_[running_];
     if (!error.isEmpty()) {
         state_->setText(error);
     } else if (isCancelled) {
-        state_->setText(tr("Stopped after %1 of %2 bakes").arg(rows_.size()).arg(wanted_.size()));
+        state_->setText(tr("Stopped after %1 of %2 bakes").arg(measured.rows.size()).arg(measured.wanted.size()));
     } else {
         setFraction(*bar_, 1.0);
-        state_->setText(tr("%1 measured; noise of the reference %2 %")
-                            .arg(bakes(rows_.size()))
-                            .arg(rows_.empty() ? 0.0 : 100.0 * rows_.front().referenceNoise, 0, 'f', 2));
+        state_->setText(
+            tr("%1 measured; noise of the reference %2 %")
+                .arg(bakes(measured.rows.size()))
+                .arg(measured.rows.empty() ? 0.0 : 100.0 * measured.rows.front().referenceNoise, 0, 'f', 2));
     }
     Q_EMIT ended();
 }
 
 void SweepPanel::choose(std::size_t row)
 {
-    if (row >= rows_.size()) return;
+    if (row >= rows().size()) return;
     plot_->choose(row);
     table_->selectRow(static_cast<int>(row));
-    Q_EMIT chosen(rows_[row].params);
+    Q_EMIT chosen(rows()[row].params);
 }
 
 void SweepPanel::showRows()
 {
-    saveTable_->setEnabled(!rows_.empty());
-    savePlot_->setEnabled(!rows_.empty());
+    saveTable_->setEnabled(!rows().empty());
+    savePlot_->setEnabled(!rows().empty());
     plot_->choose({});
-    LogPlot plot = sweepPlot(rows_, kMethod, sceneName().toStdString());
+    LogPlot plot = sweepPlot(rows(), method_, sceneName().toStdString());
     plot.xLabel = tr("CPU-seconds").toStdString();
     plot.yLabel = tr("relRMSE of the indirect light, %").toStdString();
     plot_->show(std::move(plot));
     QStringList titles{QStringLiteral("*")};
-    for (const SweepAxis& axis : axes_) titles += text(axis.param->key);
+    for (const SweepAxis& axis : shown().axes) titles += text(axis.param->key);
     titles += {tr("CPU-s"), tr("relRMSE"), tr("noise"), tr("systematic")};
     table_->clear();
     table_->setColumnCount(static_cast<int>(titles.size()));
-    table_->setRowCount(static_cast<int>(rows_.size()));
+    table_->setRowCount(static_cast<int>(rows().size()));
     table_->setHorizontalHeaderLabels(titles);
-    const std::vector<bool> isFront = sweepFront(rows_);
-    for (std::size_t r = 0; r < rows_.size(); ++r) {
-        const SweepRow& row = rows_[r];
+    const std::vector<bool> isFront = sweepFront(rows());
+    for (std::size_t r = 0; r < rows().size(); ++r) {
+        const SweepRow& row = rows()[r];
         QStringList cells{isFront[r] ? QStringLiteral("*") : QString()};
-        for (const SweepAxis& axis : axes_) cells += QString::fromStdString(paramText(row.params, *axis.param));
+        for (const SweepAxis& axis : shown().axes) cells += QString::fromStdString(paramText(row.params, *axis.param));
         cells += {QString::number(row.cpuSeconds(), 'f', 2), percent(row.error.relRmse), percent(row.split.noise),
                   percent(row.split.systematic)};
         for (int c = 0; c < cells.size(); ++c) {
@@ -339,9 +386,9 @@ void SweepPanel::save(bool asPlot)
 void SweepPanel::write(const QString& file, bool asPlot)
 {
     const std::optional<std::size_t> wanted =
-        rows_.size() < wanted_.size() ? std::optional(wanted_.size()) : std::nullopt;
+        rows().size() < shown().wanted.size() ? std::optional(shown().wanted.size()) : std::nullopt;
     const std::string content =
-        asPlot ? svgPlot(sweepPlot(rows_, kMethod, sceneName().toStdString())) : sweepText(rows_, kMethod, wanted);
+        asPlot ? svgPlot(sweepPlot(rows(), method_, sceneName().toStdString())) : sweepText(rows(), method_, wanted);
     // the disk may take its time, and the panel may be gone when it has
     QThreadPool::globalInstance()->start([panel = QPointer(this), file, content] {
         const Result<Done> written = writeFile(file.toStdString(), content);

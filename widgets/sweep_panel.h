@@ -4,6 +4,8 @@
 #include <QElapsedTimer>
 #include <QWidget>
 #include <array>
+#include <map>
+#include <optional>
 #include <vector>
 
 class QComboBox;
@@ -20,17 +22,19 @@ namespace lightloom {
 class TradePlot;
 
 /// The dock of measuring: bakes over values of one or two parameters, what each costs and how far off it is. A click on
-/// a bake takes its parameters.
+/// a bake takes its parameters. Each method has its own parameters to vary and its own rows.
 class SweepPanel final : public QWidget {
     Q_OBJECT
 public:
     explicit SweepPanel(QWidget* parent = nullptr);
     /// Of the sweeps to come; rows of another scene go.
     void setScene(std::shared_ptr<const Scene> scene, const QString& file);
+    void setMethod(Method method);          ///< whose parameters are varied; a sweep of another one goes on
     void setBase(const BakeParams& params); ///< values of what is not varied
     void holdFor(const QString& reason);    ///< others come first: said in place of progress; empty: go on
 
-    [[nodiscard]] const std::vector<SweepRow>& rows() const { return rows_; } ///< in the order they are shown
+    [[nodiscard]] Method method() const { return method_; }
+    [[nodiscard]] const std::vector<SweepRow>& rows() const { return shown().rows; } ///< in the order they are shown
     [[nodiscard]] bool isRunning() const { return isRunning_; }
     [[nodiscard]] QString stateText() const;
     [[nodiscard]] TradePlot& plot() const { return *plot_; }
@@ -44,8 +48,21 @@ private:
         QComboBox* param;
         QLineEdit* values;
     };
-    AxisEdit makeAxis(int number, const char* first);
+    /// A method's last sweep, and what is chosen for the next.
+    struct Measured {
+        std::vector<SweepRow> rows;
+        std::vector<std::string> wanted; ///< values of the axes, in order
+        std::vector<SweepAxis> axes;     ///< of the sweep that runs or ran
+        struct Choice {
+            QString param, values;
+        };
+        std::array<std::optional<Choice>, 2> choices; ///< nothing: what is suggested
+    };
+    AxisEdit makeAxis(int number);
+    void fillAxes(); ///< with the method's parameters
+    void suggest(const AxisEdit& edit);
     void build();
+    [[nodiscard]] const Measured& shown() const { return measured_.at(method_); }
     [[nodiscard]] Result<SweepPlan> plan() const;
     void tellPlan(); ///< how many bakes, or what is wrong
     void run();
@@ -62,9 +79,8 @@ private:
     std::shared_ptr<const Scene> scene_;
     QString file_;
     BakeParams base_;
-    std::vector<SweepRow> rows_;
-    std::vector<std::string> wanted_; ///< values of the axes, in order
-    std::vector<SweepAxis> axes_;     ///< of the sweep that runs or ran
+    Method method_ = Method::lightOctree, running_ = Method::lightOctree; ///< running: that runs or ran last
+    std::map<Method, Measured> measured_{{method_, {}}};
     std::uint64_t serial_ = 0;
     bool isRunning_ = false;
     QString held_; ///< why it waits; empty: it does not

@@ -26,7 +26,7 @@ public:
     SweepRun(const SweepPlan& plan, const Judge& judge, std::unique_ptr<Solver> solver, BakeProducts& products,
              BakeControl& control)
         : plan_(plan), judge_(judge), solver_(std::move(solver)), products_(products), control_(control),
-          keys_(plan, judge), effort_(plan.scene->groups.size())
+          keys_(plan, judge), effort_(plan.method, plan.scene->groups.size())
     {
     }
 

@@ -8,17 +8,21 @@ namespace {
 // one core's work: docs/measurements.md, hot loops
 constexpr double kSecondsPerPhoton = 0.7e-6, kSecondsPerGather = 4e-6, kSecondsPerGathered = 0.05e-6;
 constexpr double kEntriesPerCell =
-    6.0;                           // leaves go by the surface: six faces of 4^depth, entries and furniture evened out
-constexpr double kOverhead = 0.02; // looking up the probes
+    6.0; // leaves go by the surface: six faces of 4^depth, entries and furniture evened out
+constexpr double kSecondsPerDeposit = 1.0e-6, kSecondsPerVertex = 3e-6; // grids, by photon and by vertex
+constexpr double kOverhead = 0.02;                                      // looking up the probes
 
 } // namespace
 
 double SweepEffort::units(const BakeParams& row, const BakeParams* before) const
 {
-    const auto from = before ? firstDifference(*before, row, Method::lightOctree) : Stage::shoot;
+    const auto from = before ? firstDifference(*before, row, method_) : Stage::shoot;
     double perGroup = 0;
     if (from && *from == Stage::shoot) perGroup += kSecondsPerPhoton * row.photonCount;
-    if (from && *from <= Stage::fit) {
+    if (from && *from <= Stage::fit && method_ == Method::irradianceGrid) {
+        const double side = row.gridSize > 0 ? row.gridSize : BakeParams{}.gridSize;
+        perGroup += kSecondsPerDeposit * row.photonCount + kSecondsPerVertex * std::pow(side, 3.0);
+    } else if (from && *from <= Stage::fit) {
         double entries = 0;
         for (int d = row.octreeFirstDepth; d <= row.octreeDepth; ++d) entries += kEntriesPerCell * std::pow(4.0, d);
         perGroup += entries * (kSecondsPerGather + kSecondsPerGathered * row.gatherCount);

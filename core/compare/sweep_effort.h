@@ -8,7 +8,7 @@ namespace lightloom {
 /// share photons with the row before them as they do in `sweepOrder`.
 class SweepEffort {
 public:
-    explicit SweepEffort(std::size_t groups) : groups_(static_cast<double>(groups)) {}
+    SweepEffort(Method method, std::size_t groups) : method_(method), groups_(static_cast<double>(groups)) {}
 
     /// Wall seconds of making a row, both seeds, after a row with `before` (null: nothing is kept).
     [[nodiscard]] double seconds(const BakeParams& row, const BakeParams* before) const;
@@ -17,6 +17,7 @@ public:
 
 private:
     [[nodiscard]] double units(const BakeParams& row, const BakeParams* before) const;
+    Method method_;
     double groups_;
     double unitsDone_ = 0, secondsDone_ = 0;
 };
