@@ -37,6 +37,11 @@ class GuiGuestTest : public QObject {
         const auto seen = viewport_->surfaceAt(at);
         return seen && seen->isGuest;
     }
+    void press(Qt::Key key) const
+    {
+        viewport_->setFocus();
+        QTest::keyClick(viewport_, key);
+    }
     void mouse(QEvent::Type type, QPoint at, Qt::KeyboardModifiers with = {}) const
     {
         const bool isMove = type == QEvent::MouseMove, isUp = type == QEvent::MouseButtonRelease;
@@ -141,6 +146,63 @@ private Q_SLOTS:
         QTest::keyClick(viewport_, Qt::Key_Escape);
         QVERIFY(!desk_->isDragging());
         QCOMPARE(desk_->position(), before);
+        QVERIFY(settle(*viewport_));
+    }
+
+    void aDragIsOneStepToUndo()
+    {
+        const QAction* undo = actionNamed(*window_, "Undo");
+        const glm::vec3 before = desk_->position();
+        dragGuest({50, 5});
+        mouse(QEvent::MouseButtonRelease, onGuest());
+        const glm::vec3 after = desk_->position();
+        QVERIFY(!(after == before));
+        actionNamed(*window_, "Undo")->trigger();
+        QCOMPARE(desk_->position(), before);
+        actionNamed(*window_, "Redo")->trigger();
+        QCOMPARE(desk_->position(), after);
+        dragGuest({-50, 0}); // one that is taken back is none
+        QTest::keyClick(viewport_, Qt::Key_Escape);
+        actionNamed(*window_, "Undo")->trigger();
+        QCOMPARE(desk_->position(), before);
+        actionNamed(*window_, "Remove the object")->trigger();
+        QVERIFY(!desk_->hasGuest() && !actionNamed(*window_, "Remove the object")->isEnabled());
+        QVERIFY(undo->isEnabled());
+        actionNamed(*window_, "Undo")->trigger();
+        QVERIFY(desk_->hasGuest() && actionNamed(*window_, "Remove the object")->isEnabled());
+        QCOMPARE(desk_->position(), before);
+        QVERIFY(settle(*viewport_));
+        QVERIFY(isGuestAt(onGuest()));
+    }
+
+    void itThrowsShadows() // in lamps' light; where it is, and no more where it was
+    {
+        press(Qt::Key_5); // direct light alone
+        const Guest shown = desk_->guest();
+        const auto picture = [&](const Guest& guest) {
+            desk_->restore(guest);
+            [&] { QTRY_VERIFY_WITH_TIMEOUT(viewport_->isSettled() && viewport_->isRefined(), kPatience); }();
+            return viewport_->grabFramebuffer();
+        };
+        const QImage without = picture({});
+        Guest there = shown;
+        there.position = window_->scene()->bounds.centre(); // below the lamp
+        const QImage with = picture(there);
+        int darker = 0, brighter = 0;
+        for (int y = 0; y < with.height(); ++y) {
+            for (int x = 0; x < with.width(); ++x) {
+                const QPoint at = QPointF(QPointF(x, y) / viewport_->devicePixelRatioF()).toPoint();
+                if (x % 4 != 0 || y % 4 != 0 || isGuestAt(at)) continue; // the scene's own surfaces
+                const int change = qGray(with.pixel(x, y)) - qGray(without.pixel(x, y));
+                darker += change < -25 ? 1 : 0;
+                brighter += change > 10 ? 1 : 0;
+            }
+        }
+        qInfo("%d of each 16 pixels darker, %d brighter", darker, brighter);
+        QVERIFY(darker > 100 && brighter < darker / 20);
+        QVERIFY(picture({}) == without); // nothing of it stays
+        (void)picture(shown);
+        press(Qt::Key_2);
         QVERIFY(settle(*viewport_));
     }
 

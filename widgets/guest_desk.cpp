@@ -15,6 +15,7 @@
 #include <filesystem>
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
+#include <utility>
 
 namespace lightloom {
 
@@ -142,51 +143,68 @@ void GuestDesk::take(std::shared_ptr<const DrawData> data, const QString& name, 
         return;
     }
     const bool fits = side >= kLeastShare * diagonal && side <= kMostShare * diagonal;
-    scale_ = keepsSize && fits ? 1.0f : kSizeShare * diagonal / side;
-    turn_ = 0.0f;
-    held_.reset();
-    data_ = std::move(data);
     const QPointF middle(0.5 * viewport_->width(), 0.5 * viewport_->height());
     const auto seen = viewport_->surfaceAt(middle);
     const SightLine sight = viewport_->sightAt(middle);
     const float end = seen ? glm::length(seen->position - sight.eye) : viewport_->camera().distance();
     const float begin = std::min(wayInto(bounds_, sight), end); // the eye may stand outside
-    position_ = sight.eye + glm::mix(begin, end, kAheadShare) * sight.along;
-    viewport_->setGuest(data_, place());
+    const Guest before = guest_;
+    const float scale = keepsSize && fits ? 1.0f : kSizeShare * diagonal / side;
+    restore({std::move(data), sight.eye + glm::mix(begin, end, kAheadShare) * sight.along, scale, 0.0f});
     Q_EMIT added(name);
+    Q_EMIT edited(tr("adding an object"), before, false);
 }
 
 void GuestDesk::remove()
 {
     ++serial_; // nor what is being read
+    if (!hasGuest()) return;
+    const Guest before = held_ ? held_->before : guest_;
+    restore({});
+    Q_EMIT edited(tr("removing the object"), before, false);
+}
+
+void GuestDesk::restore(const Guest& guest)
+{
     held_.reset();
-    if (!data_) return;
-    data_.reset();
-    viewport_->setGuest(nullptr, glm::mat4(1.0f));
-    Q_EMIT removed();
+    const bool isOther = guest.data != guest_.data;
+    guest_ = guest;
+    if (!isOther) {
+        viewport_->setGuestPlace(place());
+        return;
+    }
+    viewport_->setGuest(guest_.data, place());
+    Q_EMIT present(hasGuest());
 }
 
 void GuestDesk::sceneChanged(const Bounds& bounds)
 {
     bounds_ = bounds;
-    remove();
+    ++serial_;
+    restore({});
 }
 
 glm::mat4 GuestDesk::place() const
 {
-    if (!data_) return glm::mat4(1.0f);
-    glm::mat4 m = glm::translate(glm::mat4(1.0f), position_);
-    m = glm::rotate(m, turn_, kUp);
-    m = glm::scale(m, glm::vec3(scale_));
-    return glm::translate(m, -data_->scene->bounds.centre());
+    if (!hasGuest()) return glm::mat4(1.0f);
+    glm::mat4 m = glm::translate(glm::mat4(1.0f), guest_.position);
+    m = glm::rotate(m, guest_.turn, kUp);
+    m = glm::scale(m, glm::vec3(guest_.scale));
+    return glm::translate(m, -guest_.data->scene->bounds.centre());
 }
 
 void GuestDesk::put(glm::vec3 position)
 {
     // a part of the scene's extent around it is far enough for anything
     const glm::vec3 margin(0.5f * bounds_.diagonal());
-    position_ = glm::clamp(position, bounds_.low - margin, bounds_.high + margin);
+    guest_.position = glm::clamp(position, bounds_.low - margin, bounds_.high + margin);
     viewport_->setGuestPlace(place());
+}
+
+void GuestDesk::letGo()
+{
+    const Guest before = std::exchange(held_, std::nullopt)->before;
+    if (!(before == guest_)) Q_EMIT edited(tr("moving the object"), before, false);
 }
 
 bool GuestDesk::press(const QMouseEvent& event)
@@ -195,7 +213,7 @@ bool GuestDesk::press(const QMouseEvent& event)
     if (event.button() != Qt::LeftButton || !(isUpright || event.modifiers() == Qt::NoModifier)) return false;
     const auto seen = viewport_->surfaceAt(event.position());
     if (!seen || !seen->isGuest) return false; // the camera's
-    held_ = Hold{seen->position, position_, viewport_->sightAt(event.position()), isUpright};
+    held_ = Hold{seen->position, guest_, viewport_->sightAt(event.position()), isUpright};
     return true;
 }
 
@@ -203,19 +221,19 @@ bool GuestDesk::move(const QMouseEvent& event)
 {
     if (!held_) return false;
     if (!event.buttons().testFlag(Qt::LeftButton)) { // let go where nobody told us
-        held_.reset();
+        letGo();
         return false;
     }
     const SightLine to = viewport_->sightAt(event.position());
     if (held_->isUpright) {
         const auto a = alongAxis(held_->grip, kUp, held_->from), b = alongAxis(held_->grip, kUp, to);
-        if (a && b) put(held_->before + kUp * (*b - *a));
+        if (a && b) put(held_->before.position + kUp * (*b - *a));
         return true;
     }
     const bool isLevel = std::abs(held_->from.along.y) > kLevel;
     const glm::vec3 n = isLevel ? kUp : -held_->from.along;
     const auto a = onPlane(held_->grip, n, held_->from), b = onPlane(held_->grip, n, to);
-    if (a && b) put(held_->before + (*b - *a));
+    if (a && b) put(held_->before.position + (*b - *a));
     return true;
 }
 
@@ -223,14 +241,17 @@ bool GuestDesk::turn(const QWheelEvent& event)
 {
     const auto seen = viewport_->surfaceAt(event.position());
     if (!held_ && !(seen && seen->isGuest)) return false;
-    turn_ = std::remainder(turn_ + kTurnStep * static_cast<float>(event.angleDelta().y()) / 120.0f, 6.2831853f);
+    const Guest before = guest_;
+    guest_.turn =
+        std::remainder(guest_.turn + kTurnStep * static_cast<float>(event.angleDelta().y()) / 120.0f, 6.2831853f);
     viewport_->setGuestPlace(place());
+    if (!held_) Q_EMIT edited(tr("turning the object"), before, true); // else the drag's step has it
     return true;
 }
 
 bool GuestDesk::eventFilter(QObject* watched, QEvent* event)
 {
-    if (watched != viewport_ || !data_) return false;
+    if (watched != viewport_ || !hasGuest()) return false;
     switch (event->type()) {
     case QEvent::MouseButtonPress:
     case QEvent::MouseButtonDblClick:
@@ -239,7 +260,7 @@ bool GuestDesk::eventFilter(QObject* watched, QEvent* event)
         return move(*static_cast<QMouseEvent*>(event));
     case QEvent::MouseButtonRelease:
         if (!held_ || static_cast<QMouseEvent*>(event)->button() != Qt::LeftButton) return false;
-        held_.reset();
+        letGo();
         return true;
     case QEvent::Wheel:
         return turn(*static_cast<QWheelEvent*>(event));
@@ -247,10 +268,8 @@ bool GuestDesk::eventFilter(QObject* watched, QEvent* event)
     case QEvent::KeyPress:
         if (!held_) return false;
         event->accept(); // nothing else in the middle of a drag
-        if (event->type() == QEvent::KeyPress && static_cast<QKeyEvent*>(event)->key() == Qt::Key_Escape) {
-            put(held_->before);
-            held_.reset();
-        }
+        if (event->type() == QEvent::KeyPress && static_cast<QKeyEvent*>(event)->key() == Qt::Key_Escape)
+            restore(Guest(held_->before)); // a copy: it lets go
         return true;
     default:
         return false;

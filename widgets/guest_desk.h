@@ -20,6 +20,14 @@ class Viewport;
 /// Objects that come with the program.
 enum class GuestKind { ball, ring, figure };
 
+/// An object and where it stands, as an undo step holds it.
+struct Guest {
+    std::shared_ptr<const DrawData> data; ///< null: there is none
+    glm::vec3 position{0.0f};             ///< of its middle, scene space
+    float scale = 1.0f, turn = 0.0f;      ///< turn: radians about the vertical
+    bool operator==(const Guest&) const = default;
+};
+
 /// An object in the picture that was not in the bake, dragged through the light: level with the floor, with Shift up
 /// and down; the wheel over it turns it. Made and read on a thread of its own; the newest request wins. Escape takes a
 /// drag back.
@@ -32,16 +40,20 @@ public:
     void add(GuestKind kind);          ///< an eighth of the scene's diagonal high
     void addFile(const QString& file); ///< as large as it is, or an eighth if that is out of all proportion
     void remove();
+    void restore(const Guest& guest);        ///< as it was: no step for undo
     void sceneChanged(const Bounds& bounds); ///< another scene: the object goes
 
-    [[nodiscard]] bool hasGuest() const { return data_ != nullptr; }
+    [[nodiscard]] bool hasGuest() const { return guest_.data != nullptr; }
+    [[nodiscard]] const Guest& guest() const { return guest_; }
     [[nodiscard]] bool isDragging() const { return held_.has_value(); }
-    [[nodiscard]] glm::vec3 position() const { return position_; } ///< of its middle, scene space
-    [[nodiscard]] glm::mat4 place() const;                         ///< from its own frame
+    [[nodiscard]] glm::vec3 position() const { return guest_.position; } ///< of its middle, scene space
+    [[nodiscard]] glm::mat4 place() const;                               ///< from its own frame
 
 Q_SIGNALS:
     void added(QString name);
-    void removed();
+    void present(bool isThere); ///< there is an object now, or none
+    /// The user did `what` ("moving the object"), a step for undo; a drag is one. `mayJoin`: several such at once are.
+    void edited(QString what, Guest before, bool mayJoin);
     void failed(QString message);
 
 protected:
@@ -55,10 +67,11 @@ private:
     bool move(const QMouseEvent& event);
     bool turn(const QWheelEvent& event);
     void put(glm::vec3 position);
+    void letGo(); ///< what was dragged stays where it is
 
     struct Hold {
         glm::vec3 grip{0.0f}; ///< point of the object under the cursor when the drag began
-        glm::vec3 before{0.0f};
+        Guest before;
         SightLine from;
         bool isUpright = false; ///< up and down
     };
@@ -66,9 +79,7 @@ private:
     QThreadPool pool_;
     quint64 serial_ = 0;
     Bounds bounds_;
-    std::shared_ptr<const DrawData> data_;
-    glm::vec3 position_{0.0f};
-    float scale_ = 1.0f, turn_ = 0.0f; ///< turn: radians about the vertical
+    Guest guest_;
     std::optional<Hold> held_;
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Objects that were not in the bake, put into its light.
+#include "widgets/edit_command.h"
 #include "widgets/guest_desk.h"
 #include "widgets/main_window.h"
 #include "widgets/message_bar.h"
@@ -8,8 +9,15 @@
 #include <QFileDialog>
 #include <QLabel>
 #include <QSettings>
+#include <QUndoStack>
 
 namespace lightloom {
+
+namespace {
+
+constexpr int kGuestTurns = 3'000'000; ///< number of undo steps that may be joined, after those of lamps
+
+} // namespace
 
 void MainWindow::makeGuestActions()
 {
@@ -41,13 +49,16 @@ void MainWindow::connectGuests()
         for (QAction* action : addGuests_) action->setEnabled(true);
     });
     connect(guestDesk_, &GuestDesk::added, this, &MainWindow::guestAdded);
-    connect(guestDesk_, &GuestDesk::removed, this, [this] { removeGuest_->setEnabled(false); });
+    connect(guestDesk_, &GuestDesk::present, removeGuest_, &QAction::setEnabled);
+    connect(guestDesk_, &GuestDesk::edited, this, [this](const QString& what, const Guest& before, bool mayJoin) {
+        const auto apply = [this](const Guest& guest) { guestDesk_->restore(guest); };
+        undoStack_->push(new EditCommand<Guest>(what, before, guestDesk_->guest(), apply, mayJoin ? kGuestTurns : -1));
+    });
     connect(guestDesk_, &GuestDesk::failed, this, [this](const QString& problem) { messages_->show(problem); });
 }
 
 void MainWindow::guestAdded(const QString& name)
 {
-    removeGuest_->setEnabled(true);
     viewport_->setFocus();
     statusStage_->setText(tr("%1: drag it (Shift: up and down), the wheel turns it").arg(name));
     if (method_ == Method::irradianceGrid) return;

@@ -140,12 +140,14 @@ void Viewport::setGuest(std::shared_ptr<const DrawData> guest, const glm::mat4& 
     guest_ = std::move(guest);
     guestPlace_ = place;
     guestIsNew_ = true;
+    shadowsReady_ = false;
     changed();
 }
 
 void Viewport::setGuestPlace(const glm::mat4& place)
 {
     guestPlace_ = place;
+    shadowsReady_ = false;
     coarseFor(kRestMs); // it moves, as a camera does
 }
 

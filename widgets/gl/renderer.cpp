@@ -4,6 +4,7 @@
 #include "shaders/common.h"
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace lightloom {
 
@@ -68,8 +69,8 @@ Result<Done> Renderer::linkPrograms()
 
 Result<Done> Renderer::setScene(std::shared_ptr<const DrawData> data)
 {
+    setGuest(nullptr);
     scene_.reset();
-    guest_.reset();
     unlit_.reset();
     (void)vdl_->setOctree(nullptr); // dropping cannot fail
     (void)grid_->setGrid(nullptr);
@@ -96,14 +97,26 @@ void Renderer::scaleEmission()
 
 void Renderer::setGuest(const std::shared_ptr<const DrawData>& data)
 {
+    shadows_.setGuest(nullptr, {});
     guest_.reset();
+    guestPlace_.reset();
     if (data) guest_.emplace(gl_, data);
     scaleEmission();
 }
 
 void Renderer::setGuestPlace(const glm::mat4& place)
 {
-    if (guest_) guest_->setPlace(place);
+    if (!guest_ || guestPlace_ == place) return;
+    guestPlace_ = place;
+    guest_->setPlace(place);
+    const Bounds& own = guest_->data().scene->bounds;
+    Bounds box{glm::vec3(std::numeric_limits<float>::max()), glm::vec3(std::numeric_limits<float>::lowest())};
+    for (int i = 0; i < 8; ++i) {
+        const glm::vec3 part(i & 1, i >> 1 & 1, i >> 2);
+        const glm::vec3 corner(place * glm::vec4(glm::mix(own.low, own.high, part), 1.0f));
+        box = {glm::min(box.low, corner), glm::max(box.high, corner)};
+    }
+    shadows_.setGuest(&*guest_, box);
 }
 
 Result<Done> Renderer::setLamps(const DrawData& data)
@@ -139,7 +152,7 @@ void Renderer::setMix(const Mix& mix)
 bool Renderer::drawShadows(double budgetMs)
 {
     if (!scene_ || shadows_.isComplete()) return true;
-    environments_->forget(); // lit with what shadows there were
+    if (shadows_.lacksScene()) environments_->forget(); // lit with what shadows there were; guests are in no mirror
     return shadows_.draw(*scene_, shadowProgram_, budgetMs);
 }
 

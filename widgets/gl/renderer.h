@@ -56,10 +56,11 @@ public:
     Result<Done> setOctree(const std::shared_ptr<const GpuOctree>& octree);
     Result<Done> setGrid(const std::shared_ptr<const GpuGrid>& grid);
     Result<Done> setColours(const std::shared_ptr<const GpuOctree>& octree); ///< a colour octree
-    /// An object that was not in the bake: it gets the lamps' light with the scene's shadows, and the bake's where that
-    /// knows light in space (a grid); it throws no shadow and is in no mirror. Null: none. Goes with the scene.
+    /// An object that was not in the bake: it gets the lamps' light, throws shadows in it (when `drawShadows` has drawn
+    /// them), and gets the bake's light where that knows light in space (a grid). It takes nothing from the bake's
+    /// light and is in no mirror. Null: none. Goes with the scene.
     void setGuest(const std::shared_ptr<const DrawData>& data);
-    void setGuestPlace(const glm::mat4& place); ///< scene space; no mirroring
+    void setGuestPlace(const glm::mat4& place); ///< scene space; no mirroring. The same place again costs nothing
     void setMix(const Mix& mix);
     [[nodiscard]] OverlayPass& overlay() { return *overlay_; }
     [[nodiscard]] MarkPass& marks() { return *marks_; }
@@ -150,6 +151,7 @@ private:
     ShadowMaps shadows_;
     GlVertexArray empty_;
     std::optional<SceneBuffers> scene_, guest_;
+    std::optional<glm::mat4> guestPlace_; ///< that shadows know
     std::optional<GBuffer> buffers_;
     std::unique_ptr<ModeAtlas> atlas_;
     glm::mat4 viewProjection_{1.0f}; ///< of the surfaces drawn last

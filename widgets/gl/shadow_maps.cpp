@@ -4,6 +4,7 @@
 #include "shaders/common.h"
 #include <QElapsedTimer>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
 #include <limits>
@@ -50,6 +51,29 @@ float farthest(const Bounds& bounds, glm::vec3 p)
     return 1.01f * glm::length(away) + 1e-6f;
 }
 
+std::array<glm::vec3, 8> cornersOf(const Bounds& box)
+{
+    std::array<glm::vec3, 8> corners;
+    for (std::size_t i = 0; i < corners.size(); ++i)
+        corners[i] = {(i & 1) != 0 ? box.high.x : box.low.x, (i & 2) != 0 ? box.high.y : box.low.y,
+                      (i & 4) != 0 ? box.high.z : box.low.z};
+    return corners;
+}
+
+/// False: all of the box lies beyond one side of what is seen.
+bool maySee(const glm::mat4& viewProjection, const Bounds& box)
+{
+    std::array<int, 6> beyond{};
+    for (const glm::vec3& corner : cornersOf(box)) {
+        const glm::vec4 at = viewProjection * glm::vec4(corner, 1.0f);
+        for (int axis = 0; axis < 3; ++axis) {
+            beyond[static_cast<std::size_t>(2 * axis)] += at[axis] < -at.w ? 1 : 0;
+            beyond[static_cast<std::size_t>(2 * axis + 1)] += at[axis] > at.w ? 1 : 0;
+        }
+    }
+    return std::ranges::find(beyond, 8) == beyond.end();
+}
+
 } // namespace
 
 ShadowMaps::ShadowMaps(Gl& gl) : gl_(gl), block_(gl), blockOfOne_(gl) {}
@@ -67,7 +91,7 @@ void ShadowMaps::addCube(const PreviewLight& light, float reach, int first, cons
         // the half space behind a patch gets no light: a face wholly in it stays empty
         if (light.kind == shader::kLampSurface && glm::dot(m, light.travel) < -0.82f) continue;
         out.layers.push_back({true, first + i, perspective(light.position, s, t, m, k, reach),
-                              glm::vec4(light.position, 1.0f), glm::vec2(0.0f, 1.0f / reach), false});
+                              glm::vec4(light.position, 1.0f), glm::vec2(0.0f, 1.0f / reach)});
     }
 }
 
@@ -80,8 +104,7 @@ void ShadowMaps::addSpot(const PreviewLight& light, float reach, int index, int 
     out.matrix = perspective(light.position, s, t, light.travel, 1.0f / spread, reach);
     out.sample.shadow = glm::vec4(static_cast<float>(index), 0.0f, 0.0f, 1.0f / reach);
     out.sample.texel = glm::vec4(2.0f * spread / static_cast<float>(flatSide_), static_cast<float>(matrix), 0.0f, 0.0f);
-    out.layers.push_back(
-        {false, index, *out.matrix, glm::vec4(light.position, 1.0f), glm::vec2(0.0f, 1.0f / reach), false});
+    out.layers.push_back({false, index, *out.matrix, glm::vec4(light.position, 1.0f), glm::vec2(0.0f, 1.0f / reach)});
 }
 
 void ShadowMaps::addSun(const PreviewLight& light, int index, int matrix, const glm::mat3& turn, Maps& out) const
@@ -89,10 +112,7 @@ void ShadowMaps::addSun(const PreviewLight& light, int index, int matrix, const 
     glm::vec3 s, t;
     axesAround(light.travel, turn, s, t);
     glm::vec3 low(std::numeric_limits<float>::max()), high(-std::numeric_limits<float>::max());
-    for (int i = 0; i < 8; ++i) {
-        const glm::vec3 corner((i & 1) != 0 ? bounds_.high.x : bounds_.low.x,
-                               (i & 2) != 0 ? bounds_.high.y : bounds_.low.y,
-                               (i & 4) != 0 ? bounds_.high.z : bounds_.low.z);
+    for (const glm::vec3& corner : cornersOf(bounds_)) {
         const glm::vec3 seen(glm::dot(corner, s), glm::dot(corner, t), glm::dot(corner, light.travel));
         low = glm::min(low, seen);
         high = glm::max(high, seen);
@@ -108,7 +128,7 @@ void ShadowMaps::addSun(const PreviewLight& light, int index, int matrix, const 
     out.sample.shadow = glm::vec4(static_cast<float>(index), 0.0f, range.x, range.y);
     const float texel = glm::max(high.x - low.x, high.y - low.y) / static_cast<float>(flatSide_);
     out.sample.texel = glm::vec4(texel, static_cast<float>(matrix), 0.0f, 0.0f);
-    out.layers.push_back({false, index, *out.matrix, glm::vec4(light.travel, 0.0f), range, false});
+    out.layers.push_back({false, index, *out.matrix, glm::vec4(light.travel, 0.0f), range});
 }
 
 ShadowMaps::Maps ShadowMaps::mapsOf(const PreviewLight& light, int first, int matrix, const glm::mat3& turn) const
@@ -207,10 +227,11 @@ Result<Done> ShadowMaps::setLamps(const DrawData& data)
     undrawn_ = 0;
     for (Layer& layer : layers_) {
         const auto isSame = [&](const Layer& old) {
-            return old.isDrawn && old.inCube == layer.inCube && old.index == layer.index && old.lamp == layer.lamp &&
-                   old.range == layer.range && old.viewProjection == layer.viewProjection;
+            return (old.isDrawn || old.isOld) && old.inCube == layer.inCube && old.index == layer.index &&
+                   old.lamp == layer.lamp && old.range == layer.range && old.viewProjection == layer.viewProjection;
         };
-        layer.isDrawn = std::ranges::any_of(before, isSame);
+        if (const auto kept = std::ranges::find_if(before, isSame); kept != before.end())
+            layer.isDrawn = kept->isDrawn, layer.isOld = kept->isOld;
         undrawn_ += layer.isDrawn ? 0 : 1;
     }
     setMix({});
@@ -235,6 +256,26 @@ void ShadowMaps::drawLayer(const SceneBuffers& scene, const GlProgram& shadow, c
     shadow.set("lamp", layer.lamp);
     shadow.set("range", layer.range);
     scene.draw(shadow, false, 1.0f);
+    if (guest_ != nullptr) guest_->draw(shadow, false, 1.0f);
+}
+
+void ShadowMaps::setGuest(const SceneBuffers* guest, const Bounds& box)
+{
+    for (Layer& layer : layers_) {
+        const bool isTouched = (guest_ != nullptr && maySee(layer.viewProjection, guestBox_)) ||
+                               (guest != nullptr && maySee(layer.viewProjection, box));
+        if (!isTouched || !layer.isDrawn) continue;
+        layer.isDrawn = false;
+        layer.isOld = true;
+        ++undrawn_;
+    }
+    guest_ = guest;
+    guestBox_ = box;
+}
+
+bool ShadowMaps::lacksScene() const
+{
+    return std::ranges::any_of(layers_, [](const Layer& l) { return !l.isDrawn && !l.isOld; });
 }
 
 bool ShadowMaps::draw(const SceneBuffers& scene, const GlProgram& shadow, double budgetMs)
@@ -242,9 +283,12 @@ bool ShadowMaps::draw(const SceneBuffers& scene, const GlProgram& shadow, double
     if (isComplete()) return true;
     QElapsedTimer clock;
     clock.start();
-    for (Layer& layer : layers_) {
+    // in turn, so that none waits for ever behind those that a moving guest asks for again and again
+    for (std::size_t i = 0; i < layers_.size(); ++i) {
+        Layer& layer = layers_[next_++ % layers_.size()];
         if (layer.isDrawn) continue;
         layer.isDrawn = true;
+        layer.isOld = false;
         --undrawn_;
         drawLayer(scene, shadow, layer);
         ++layersDrawn_;

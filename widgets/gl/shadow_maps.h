@@ -18,9 +18,14 @@ public:
     /// The same lamps, some of them elsewhere: layers of the others stay drawn. Where they need other layers than
     /// before, all are allocated and drawn anew.
     Result<Done> setLamps(const DrawData& data);
+    /// An object that throws shadows too, in `box` (scene space). Layers that see that place, or the one before, are
+    /// drawn anew in slices like the others; until then they show what they did. Null: there is none any more. It must
+    /// live until another one is set.
+    void setGuest(const SceneBuffers* guest, const Bounds& box);
     /// Draws undrawn layers for about `budgetMs`, at least one. True when none is left.
     bool draw(const SceneBuffers& scene, const GlProgram& shadow, double budgetMs);
     [[nodiscard]] bool isComplete() const { return undrawn_ == 0; }
+    [[nodiscard]] bool lacksScene() const; ///< some layer was never drawn: more than a guest is missing
     /// Gain per light group; groups without one count 1.
     void setMix(const Mix& mix);
     /// Hands lights and maps to mode_direct.frag, which is in use: units `unit` and `unit` + 1.
@@ -41,6 +46,7 @@ private:
         glm::vec4 lamp{0.0f}; ///< as shadow.frag wants it
         glm::vec2 range{0.0f, 1.0f};
         bool isDrawn = false;
+        bool isOld = false; ///< not drawn since a guest moved
     };
     /// std140 of mode_direct.frag.
     struct SampleLight {
@@ -74,7 +80,9 @@ private:
     std::vector<SampleLight> samples_; ///< at gain 1
     std::vector<glm::mat4> matrices_;  ///< of flat layers
     std::vector<Layer> layers_;
-    std::size_t undrawn_ = 0;
+    std::size_t undrawn_ = 0, next_ = 0; ///< next: to be looked at when layers are drawn
+    const SceneBuffers* guest_ = nullptr;
+    Bounds guestBox_;
     int cubeLayers_ = 0, cubeSide_ = 1, flatSide_ = 1, layersDrawn_ = 0;
 };
 
