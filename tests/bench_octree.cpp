@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the light octree's fits cost, CPU time, variants in turn, medians of 5:
 //   gather and clustering of depth 5 at K = 100, k = 4 against tracing the photons, one thread;
-//   cost over leaves, depths 4 to 7;  one thread's time against the longest of two, tracing and fits.
-//   bench_octree [SCENE[:TRIANGLES] ...]
+//   cost over leaves, depths 4 to 7;  cost and spread of directions over k at depth 6, K = 300;  one thread's time
+//   against the longest of two, tracing and fits. bench_octree [SCENE[:TRIANGLES] ...]
+#include "core/base/units.h"
 #include "core/octree/entry_screens.h"
 #include "core/octree/layer_fit.h"
 #include "core/octree/octree_build.h"
@@ -10,6 +11,7 @@
 #include "tests/bench_scene.h"
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <thread>
@@ -151,6 +153,38 @@ void overDepths(const std::string& name, const Bench& b)
     fmt::print("| {} |{} {:.2f} |\n", name, row, xy / xx);
 }
 
+/// Root mean square angle (as a chord) between the photons that entries gather and the mean direction of their cluster,
+/// weighted by flux, degrees.
+double spread(const Bench& b, const OctreeGeometry& geometry, std::uint32_t count, int k)
+{
+    ClusterScratch scratch;
+    Gathered gathered;
+    std::vector<LightVector> lights;
+    double cost = 0.0, weight = 0.0;
+    for (const OctreeEntry& e : geometry.entries) {
+        b.map->gather({e.centroid, e.normal, std::numeric_limits<float>::max() / 4, 1.0f, -2.0f, count}, gathered);
+        lights.clear();
+        for (const std::uint32_t i : gathered.photons) {
+            const Photon& photon = b.map->paths().photons[i];
+            lights.push_back({photon.toLight, photon.flux, luminance(photon.flux)});
+            weight += static_cast<double>(lights.back().weight);
+        }
+        cost += clusterCost(lights, scratch, clusterDirections(lights, k, scratch));
+    }
+    return glm::degrees(2.0 * std::asin(0.5 * std::sqrt(cost / weight)));
+}
+
+void overClusters(const std::string& name, const Bench& b)
+{
+    const auto geometry = octree(b, 6, true);
+    for (const int k : {1, 2, 3, 4, 6, 8}) {
+        BakeParams params = paramsOf(300, false);
+        params.vdlCount = k;
+        const double seconds = medianOf5([&] { return fitTime(b, *geometry, params, 1); });
+        fmt::print("| {} | {} | {:.0f} | {:.1f} |\n", name, k, 1e3 * seconds, spread(b, *geometry, 300, k));
+    }
+}
+
 void onTwoThreads(const std::string& name, const Bench& b, const LightSampler& lights)
 {
     const auto geometry = octree(b, 6, true);
@@ -197,6 +231,8 @@ int main(int argc, char** argv)
          againstTracing);
     each("\n| scene | depth 4 | 5 | 6 | 7 | slope |\n|---|---|---|---|---|---|\n",
          [](const std::string& name, const Bench& b, const LightSampler&) { overDepths(name, b); });
+    each("\n| scene | k | gather and clustering, ms | spread, degrees |\n|---|---|---|---|\n",
+         [](const std::string& name, const Bench& b, const LightSampler&) { overClusters(name, b); });
     each("\n| scene | tracing, one thread / longest of two | gather and clustering |\n|---|---|---|\n", onTwoThreads);
     return 0;
 }
