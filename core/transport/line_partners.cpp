@@ -102,16 +102,39 @@ LinePartners::Faces LinePartners::joinCorners(std::uint32_t voxel, const Faces& 
     return left;
 }
 
-void LinePartners::wait(Line& line, const VoxelPlace& place, Members members)
+/// Which faces of a voxel the line passes beside: at an edge that is open outwards, not at a slab or in a corner, it
+/// meets as much of them as the surface covers of the line's cross-section.
+LinePartners::Faces LinePartners::passedBy(std::uint32_t voxel, const Faces& faces) const
 {
+    float back = 0.0f, forth = 0.0f;
+    bool isEdge = true;
+    const Members all = faces.back | faces.forth;
+    if (std::has_single_bit(all)) return {};
+    forEach(voxel, all, [&](std::uint32_t e) {
+        (cosines_[e] < 0.0f ? back : forth) += voxels_.entries[e].area * glm::abs(cosines_[e]);
+        isEdge &= seeing(e, voxel, all) == 0;
+        forEach(voxel, all, [&](std::uint32_t o) {
+            const Orientation &one = voxels_.entries[e], &other = voxels_.entries[o];
+            isEdge &= glm::dot(one.normal, other.normal) >= -kSameOrientation;
+        });
+    });
+    if (!isEdge) return {};
+    const float place = tube_ * Rng(number_, 1, voxel).uniform();
+    return {place >= forth ? faces.forth : 0, place >= back ? faces.back : 0};
+}
+
+/// Those that the line passes beside wait before the last one that does: nobody sees them for it.
+void LinePartners::wait(Line& line, const VoxelPlace& place, Members members, bool isPassed)
+{
+    std::uint32_t& before = isPassed && line.waiting != kNothing ? waiting_[line.waiting].before : line.waiting;
     forEach(place.voxel, members, [&](std::uint32_t e) {
-        waiting_[e] = {line.waiting, place.voxel, members, place.slice};
-        line.waiting = e;
+        waiting_[e] = {before, place.voxel, members, place.slice};
+        before = e;
     });
 }
 
-/// Ends ways at those that face the ones that wait; `takers` of them see what these are.
-void LinePartners::close(Line& line, const VoxelPlace& place, Members facing, Members takers)
+/// Ends ways at those that face the ones that wait, or passes beside; `takers` of them see what waits.
+void LinePartners::close(Line& line, const VoxelPlace& place, Members facing, Members takers, bool isPassed)
 {
     std::uint32_t last = kNothing; // of those whose way ends here
     const std::uint32_t drawn = pick(place.voxel, facing);
@@ -127,8 +150,9 @@ void LinePartners::close(Line& line, const VoxelPlace& place, Members facing, Me
             link = &waiting_[e].before;
             continue;
         }
-        partners_[e] = end;
         if (last == kNothing) last = e;
+        if (isPassed) break;
+        partners_[e] = end;
         *link = waiting_[e].before;
     }
     if (last != kNothing)
@@ -148,6 +172,7 @@ std::span<std::uint32_t> LinePartners::find(const LineDirection& direction, std:
     number_ = number;
     along_ = direction.unit;
     perSlice_ = 1.0f / along_[direction.major];
+    tube_ = voxels_.cellSize() * voxels_.cellSize() * along_[direction.major];
     const LineNumbers numbers(direction, voxels_.cells);
     if (lines_.size() < numbers.count()) lines_.resize(numbers.count());
     if (++stamp_ == 0) std::ranges::fill(lines_, Line{}), stamp_ = 1;
@@ -158,14 +183,11 @@ std::span<std::uint32_t> LinePartners::find(const LineDirection& direction, std:
         if (line.stamp != stamp_) line = {.stamp = stamp_};
         const Faces faces = facesOf(place.voxel);
         Faces left = faces;
-        if (faces.forth != 0 && faces.back != 0) {
-            left = joinCorners(place.voxel, faces);
-            close(line, place, left.back != 0 ? left.back : faces.back, left.back);
-            if (left.forth != faces.forth) line.emitter = place.voxel, line.emitters = faces.forth & ~left.forth;
-        } else if (faces.back != 0) {
-            close(line, place, faces.back, faces.back);
-        }
-        wait(line, place, left.forth);
+        if (faces.forth != 0 && faces.back != 0) left = joinCorners(place.voxel, faces);
+        const Faces passed = passedBy(place.voxel, left);
+        if (faces.back != 0) close(line, place, left.back != 0 ? left.back : faces.back, left.back, passed.back != 0);
+        if (left.forth != faces.forth) line.emitter = place.voxel, line.emitters = faces.forth & ~left.forth;
+        wait(line, place, left.forth, passed.forth != 0);
     }
     return partners_;
 }

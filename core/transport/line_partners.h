@@ -14,8 +14,9 @@ inline constexpr float kAlongSurface = 1e-4f; ///< cosine below which a line nei
 /// line wait until an entry faces them, which sees the last of them; so do those that follow it within two slices, the
 /// next steps of the same wall. Entries see each other if each lies before the other's plane: the far side of a slab
 /// thinner than a voxel is passed over while the line is about that plane. Within a voxel this makes corners that are
-/// open inwards see themselves; all else that faces back in a voxel comes before what faces forth. Where several
-/// entries of a voxel could answer, one is drawn by how much of it is seen: area times cosine
+/// open inwards see themselves; all else that faces back in a voxel comes before what faces forth. A voxel at an edge
+/// that is open outwards is passed by on some lines, as often as its surface leaves room there. Where several entries
+/// of a voxel could answer, one is drawn by how much of it is seen: area times cosine
 /// (docs/methods/voxel-lightcuts.md).
 class LinePartners {
 public:
@@ -50,8 +51,9 @@ private:
     [[nodiscard]] std::uint32_t pick(std::uint32_t voxel, Members among) const;
     [[nodiscard]] bool endsAt(std::uint32_t waiting, std::uint32_t facing, std::int32_t slice) const;
     Faces joinCorners(std::uint32_t voxel, const Faces& faces);
-    void wait(Line& line, const VoxelPlace& place, Members members);
-    void close(Line& line, const VoxelPlace& place, Members facing, Members takers);
+    [[nodiscard]] Faces passedBy(std::uint32_t voxel, const Faces& faces) const;
+    void wait(Line& line, const VoxelPlace& place, Members members, bool isPassed);
+    void close(Line& line, const VoxelPlace& place, Members facing, Members takers, bool isPassed);
     template<class Do>
     void forEach(std::uint32_t voxel, Members members, Do what) const;
 
@@ -59,6 +61,7 @@ private:
     const VoxelOrders& orders_;
     glm::vec3 along_{0.0f};
     float perSlice_ = 1.0f; // cells along the line
+    float tube_ = 1.0f;     // m2: cross-section of the space that belongs to a line
     std::uint32_t number_ = 0, stamp_ = 0;
     std::vector<Line> lines_;
     std::vector<Waiting> waiting_;        // by entry
