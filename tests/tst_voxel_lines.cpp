@@ -49,7 +49,8 @@ public:
         voxels_.firstEntry.push_back(static_cast<std::uint32_t>(voxels_.entries.size()));
         voxels_.entries.insert(voxels_.entries.end(), entries.begin(), entries.end());
     }
-    void add(glm::ivec3 cell, glm::vec3 normal) { add(cell, {{glm::vec3(cell) + 0.5f, normal, 1.0f}}); }
+    /// One entry, of so much surface that no line passes beside it.
+    void add(glm::ivec3 cell, glm::vec3 normal) { add(cell, {{glm::vec3(cell) + 0.5f, normal, 1e4f}}); }
     SurfaceVoxels finish()
     {
         voxels_.firstEntry.push_back(static_cast<std::uint32_t>(voxels_.entries.size()));

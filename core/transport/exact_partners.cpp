@@ -8,7 +8,7 @@ namespace lightloom {
 void ExactPartners::complete(const LineDirection& direction, std::span<std::uint32_t> partners) const
 {
     const auto without = static_cast<std::size_t>(std::ranges::count(partners, LinePartners::kNothing));
-    if (without > partners.size() / 50) return;
+    if (without > partners.size() / 20) return;
     for (std::size_t e = 0; e < partners.size(); ++e) {
         if (partners[e] != LinePartners::kNothing) continue;
         const float cosine = glm::dot(voxels_.entries[e].normal, direction.unit);

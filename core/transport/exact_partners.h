@@ -6,7 +6,7 @@
 namespace lightloom {
 
 /// Partners by exact rays for entries whose discrete line leaves a closed room through a corner: few, but what they
-/// miss is missing at every bounce. Where more than a fiftieth of the entries found none the direction leads into the
+/// miss is missing at every bounce. Where more than a twentieth of the entries found none the direction leads into the
 /// open, and nothing is looked for.
 class ExactPartners {
 public:

@@ -9,7 +9,11 @@ namespace {
 
 constexpr std::int32_t kSameWall = 2; ///< slices
 constexpr float kAboutPlane = 1.5f;   ///< cells
-constexpr float kApart = 1e-3f;       ///< cells: the two sides of a sheet are neither before nor behind each other
+constexpr float kWhollyMet = 0.5f;    ///< share of what an entry shows that is enough to end all its ways in a corner
+/// Share of a line's cross-section that is enough to be met for certain. A wall covers all of it in at most three
+/// steps: one of them is large enough.
+constexpr float kEnough = 0.25f;
+constexpr float kApart = 1e-3f; ///< cells: the two sides of a sheet are neither before nor behind each other
 
 /// How far `at` lies before the entry's plane, in cells.
 float before(const Orientation& entry, glm::vec3 at, float cell)
@@ -86,41 +90,57 @@ bool LinePartners::endsAt(std::uint32_t waiting, std::uint32_t facing, std::int3
     return isPassed(from, waiting, to) && isPassed(to, facing, from);
 }
 
-/// Entries of a voxel that see each other along the line become partners; what is left.
+/// Entries of a voxel that see each other along the line become partners; what is left. One that covers little of what
+/// the other shows along the line is met as rarely: the foot of a bump does not darken a whole voxel.
 LinePartners::Faces LinePartners::joinCorners(std::uint32_t voxel, const Faces& faces)
 {
     Faces left = faces;
-    forEach(voxel, faces.forth, [&](std::uint32_t e) {
-        const Members seen = seeing(e, voxel, faces.back);
-        if (seen == 0) return;
-        partners_[e] = pick(voxel, seen);
-        left.forth &= ~(Members(1) << (e - voxels_.firstEntry[voxel]));
-        left.back &= ~seen;
-    });
-    forEach(voxel, faces.back & ~left.back,
-            [&](std::uint32_t e) { partners_[e] = pick(voxel, seeing(e, voxel, faces.forth)); });
+    const auto shown = [&](std::uint32_t e) { return voxels_.entries[e].area * glm::abs(cosines_[e]); };
+    float place = -1.0f; // drawn when it is wanted
+    const auto join = [&](Members from, Members to, Members& leftOver) {
+        forEach(voxel, from, [&](std::uint32_t e) {
+            const Members seen = seeing(e, voxel, to);
+            if (seen == 0) return;
+            float covered = 0.0f;
+            forEach(voxel, seen, [&](std::uint32_t o) { covered += shown(o); });
+            if (covered < kWhollyMet * shown(e)) {
+                if (place < 0.0f) place = Rng(number_, 2, voxel).uniform();
+                if (place * kWhollyMet * shown(e) >= covered) return;
+            }
+            partners_[e] = pick(voxel, seen);
+            leftOver &= ~(Members(1) << (e - voxels_.firstEntry[voxel]));
+        });
+    };
+    join(faces.forth, faces.back, left.forth);
+    join(faces.back, faces.forth, left.back);
     return left;
 }
 
-/// Which faces of a voxel the line passes beside: at an edge that is open outwards, not at a slab or in a corner, it
-/// meets as much of them as the surface covers of the line's cross-section.
+/// Whether a line passes beside surface that covers so much (m2) of its cross-section.
+bool LinePartners::passes(std::uint32_t voxel, float covered, float enough) const
+{
+    return covered < enough && covered <= enough * Rng(number_, 1, voxel).uniform();
+}
+
+/// Which faces of a voxel the line passes beside: slivers, which other voxels of the same surface make up for; and at
+/// an edge that is open outwards, not at a slab or in a corner, as much as the surface leaves of the line's
+/// cross-section.
 LinePartners::Faces LinePartners::passedBy(std::uint32_t voxel, const Faces& faces) const
 {
     float back = 0.0f, forth = 0.0f;
-    bool isEdge = true;
     const Members all = faces.back | faces.forth;
-    if (std::has_single_bit(all)) return {};
+    bool isEdge = !std::has_single_bit(all);
     forEach(voxel, all, [&](std::uint32_t e) {
         (cosines_[e] < 0.0f ? back : forth) += voxels_.entries[e].area * glm::abs(cosines_[e]);
-        isEdge &= seeing(e, voxel, all) == 0;
+        isEdge = isEdge && seeing(e, voxel, all) == 0;
+        if (!isEdge) return;
         forEach(voxel, all, [&](std::uint32_t o) {
             const Orientation &one = voxels_.entries[e], &other = voxels_.entries[o];
-            isEdge &= glm::dot(one.normal, other.normal) >= -kSameOrientation;
+            isEdge = isEdge && glm::dot(one.normal, other.normal) >= -kSameOrientation;
         });
     });
-    if (!isEdge) return {};
-    const float place = tube_ * Rng(number_, 1, voxel).uniform();
-    return {place >= forth ? faces.forth : 0, place >= back ? faces.back : 0};
+    const float enough = isEdge ? tube_ : kEnough * tube_;
+    return {passes(voxel, forth, enough) ? faces.forth : 0, passes(voxel, back, enough) ? faces.back : 0};
 }
 
 /// Those that the line passes beside wait before the last one that does: nobody sees them for it.
@@ -167,6 +187,29 @@ void LinePartners::close(Line& line, const VoxelPlace& place, Members facing, Me
     });
 }
 
+/// The line goes through a voxel of one entry, as most are.
+void LinePartners::walkOne(Line& line, const VoxelPlace& place, std::uint32_t entry)
+{
+    const float cosine = cosines_[entry];
+    if (!(glm::abs(cosine) > kAlongSurface)) return;
+    const bool isPassed = passes(place.voxel, voxels_.entries[entry].area * glm::abs(cosine), kEnough * tube_);
+    if (cosine > 0.0f)
+        wait(line, place, 1, isPassed);
+    else
+        close(line, place, 1, 1, isPassed);
+}
+
+void LinePartners::walkSeveral(Line& line, const VoxelPlace& place)
+{
+    const Faces faces = facesOf(place.voxel);
+    Faces left = faces;
+    if (faces.forth != 0 && faces.back != 0) left = joinCorners(place.voxel, faces);
+    const Faces passed = passedBy(place.voxel, left);
+    if (faces.back != 0) close(line, place, left.back != 0 ? left.back : faces.back, left.back, passed.back != 0);
+    if (left.forth != faces.forth) line.emitter = place.voxel, line.emitters = faces.forth & ~left.forth;
+    wait(line, place, left.forth, passed.forth != 0);
+}
+
 std::span<std::uint32_t> LinePartners::find(const LineDirection& direction, std::uint32_t number)
 {
     number_ = number;
@@ -181,13 +224,11 @@ std::span<std::uint32_t> LinePartners::find(const LineDirection& direction, std:
     for (const VoxelPlace& place : orders_.along(direction.major)) {
         Line& line = lines_[numbers.of(place)];
         if (line.stamp != stamp_) line = {.stamp = stamp_};
-        const Faces faces = facesOf(place.voxel);
-        Faces left = faces;
-        if (faces.forth != 0 && faces.back != 0) left = joinCorners(place.voxel, faces);
-        const Faces passed = passedBy(place.voxel, left);
-        if (faces.back != 0) close(line, place, left.back != 0 ? left.back : faces.back, left.back, passed.back != 0);
-        if (left.forth != faces.forth) line.emitter = place.voxel, line.emitters = faces.forth & ~left.forth;
-        wait(line, place, left.forth, passed.forth != 0);
+        const std::uint32_t first = voxels_.firstEntry[place.voxel];
+        if (voxels_.firstEntry[place.voxel + 1] - first == 1)
+            walkOne(line, place, first);
+        else
+            walkSeveral(line, place);
     }
     return partners_;
 }

@@ -51,9 +51,12 @@ private:
     [[nodiscard]] std::uint32_t pick(std::uint32_t voxel, Members among) const;
     [[nodiscard]] bool endsAt(std::uint32_t waiting, std::uint32_t facing, std::int32_t slice) const;
     Faces joinCorners(std::uint32_t voxel, const Faces& faces);
+    [[nodiscard]] bool passes(std::uint32_t voxel, float covered, float enough) const;
     [[nodiscard]] Faces passedBy(std::uint32_t voxel, const Faces& faces) const;
     void wait(Line& line, const VoxelPlace& place, Members members, bool isPassed);
     void close(Line& line, const VoxelPlace& place, Members facing, Members takers, bool isPassed);
+    void walkOne(Line& line, const VoxelPlace& place, std::uint32_t entry);
+    void walkSeveral(Line& line, const VoxelPlace& place);
     template<class Do>
     void forEach(std::uint32_t voxel, Members members, Do what) const;
 
