@@ -29,7 +29,8 @@ bool sameLight(const std::shared_ptr<const IndirectField>& a, const std::shared_
     const auto &x = gridOf(a).layers(), &y = gridOf(b).layers();
     if (x.size() != y.size()) return false;
     for (std::size_t g = 0; g < x.size(); ++g) {
-        if (x[g]->vectors != y[g]->vectors || x[g]->variance != y[g]->variance) return false;
+        if (x[g]->vectors != y[g]->vectors || x[g]->variance != y[g]->variance || x[g]->onSurface != y[g]->onSurface)
+            return false;
     }
     return true;
 }

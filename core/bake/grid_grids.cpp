@@ -28,6 +28,10 @@ struct Names {
         return fmt::format("irradiance-grid/d{}/{}/vectors/{}/{}", depth, group, kDirections[direction],
                            kChannels[channel]);
     }
+    [[nodiscard]] std::string onSurface(const std::string& group, std::size_t direction) const
+    {
+        return fmt::format("irradiance-grid/d{}/{}/on_surface/{}", depth, group, kDirections[direction]);
+    }
     [[nodiscard]] std::string variance(const std::string& group, std::size_t direction) const
     {
         return fmt::format("irradiance-grid/d{}/{}/variance/{}", depth, group, kDirections[direction]);
@@ -118,6 +122,14 @@ std::shared_ptr<const GridLayer> readLayer(const VdbFile& file, const Names& nam
                 layer->vectors[lattice.index(places[k])][d][static_cast<int>(channel)] = values[k];
             }
         }
+        if (file.contains(names.onSurface(group, d))) {
+            layer->onSurface.resize(lattice.vertexCount(), {});
+            const auto values = file.vectors(names.onSurface(group, d), places);
+            for (std::size_t k = 0; k < places.size(); ++k) {
+                require(isFinite(values[k]), "light that is not finite");
+                layer->onSurface[lattice.index(places[k])][d] = values[k];
+            }
+        }
         const auto variances = file.numbers(names.variance(group, d), places);
         for (std::size_t k = 0; k < places.size(); ++k) {
             require(variances[k] >= 0.0f, "a variance below nothing");
@@ -161,6 +173,8 @@ void storeOne(const IrradianceGrid& grid, const Scene& scene, const Names& names
             for (std::size_t c = 0; c < kChannels.size(); ++c)
                 vectors(names.vectors(group, d, c),
                         [&](std::size_t i) { return layer.vectors[i][d][static_cast<int>(c)]; });
+            if (!layer.onSurface.empty())
+                vectors(names.onSurface(group, d), [&](std::size_t i) { return layer.onSurface[i][d]; });
             numbers(names.variance(group, d), [&](std::size_t i) { return layer.variance[i][d]; });
         }
     }

@@ -21,7 +21,7 @@ struct alignas(64) Slot {
 };
 using Totals = std::array<double, kSummed>;
 
-constexpr std::size_t kSlabBytes = 1 << 20; ///< of slots that a thread works on at a time: they stay in its cache
+constexpr std::size_t kSlabBytes = 1 << 20; ///< of cells that a thread works on at a time
 
 /// A segment in grid coordinates.
 struct GridSegment {
@@ -72,6 +72,54 @@ std::uint64_t bitOf(float x, float y, int parts)
     return std::uint64_t{1} << (i + parts * j);
 }
 
+/// Faces that segments cross, gathered before anything is summed: memory is fetched meanwhile, and waiting for it was
+/// two fifths of the time. Sums are made in the order of the calls.
+class CrossedSlots {
+public:
+    /// A segment's values, for what is added from now on.
+    void begin(const std::array<Floats4, 3>& values)
+    {
+        if (segments_ == kRoom) flush();
+        values_[segments_++] = values;
+    }
+    void add(Slot& slot, std::uint64_t part)
+    {
+        if (count_ == kRoom) flush();
+        __builtin_prefetch(&slot, 1);
+        found_[count_++] = {&slot, part, segments_ - 1};
+    }
+    /// Sums what is left. How many faces were open where they were crossed.
+    std::uint64_t finish()
+    {
+        flush();
+        return open_;
+    }
+
+private:
+    void flush()
+    {
+        for (std::size_t i = 0; i < count_; ++i) {
+            const Found& f = found_[i];
+            if ((f.slot->parts & f.part) == 0) continue;
+            for (std::size_t k = 0; k < 3; ++k) f.slot->add(k, values_[f.segment][k]);
+            ++open_;
+        }
+        if (segments_ > 0) values_[0] = values_[segments_ - 1]; // it may go on
+        segments_ = std::min<std::size_t>(segments_, 1);
+        count_ = 0;
+    }
+    static constexpr std::size_t kRoom = 64;
+    struct Found {
+        Slot* slot;
+        std::uint64_t part; ///< of the face, one bit
+        std::size_t segment;
+    };
+    std::array<std::array<Floats4, 3>, kRoom> values_;
+    std::array<Found, kRoom> found_;
+    std::size_t segments_ = 0, count_ = 0;
+    std::uint64_t open_ = 0;
+};
+
 glm::mat3 matrixOf(const Totals& sums, double scale)
 {
     glm::mat3 m;
@@ -117,14 +165,17 @@ struct GridDeposit::Work {
         int axis;
         PlaneRange planes;
     };
-    [[nodiscard]] std::vector<Slab> slabs() const
+    /// For faces no more of them than keep all threads busy: each looks at all segments anew, which costs more than
+    /// memory that is far away. Cells are cut where layers end, so that theirs must not depend on threads.
+    [[nodiscard]] std::vector<Slab> slabs(int threads) const
     {
         const glm::ivec3 n = lattice().vertices();
+        const int perAxis = threads > 1 ? (2 * threads + 2) / 3 : 1;
         std::vector<Slab> all;
         for (int axis = isTracks() ? 2 : 0; axis < 3; ++axis) {
-            const std::size_t perPlane =
-                std::size_t(n[(axis + 1) % 3]) * std::size_t(n[(axis + 2) % 3]) * (isTracks() ? 8 : 2) * sizeof(Slot);
-            const int step = std::max(1, static_cast<int>(kSlabBytes / perPlane));
+            const std::size_t layerBytes = std::size_t(n.x) * std::size_t(n.y) * 8 * sizeof(Slot);
+            const int step =
+                isTracks() ? std::max(1, static_cast<int>(kSlabBytes / layerBytes)) : (n[axis] + perAxis - 1) / perAxis;
             for (int plane = 0; plane < n[axis]; plane += step)
                 all.push_back({axis, {plane, std::min(plane + step, n[axis]) - 1}});
         }
@@ -133,16 +184,16 @@ struct GridDeposit::Work {
 
     std::uint64_t cross(const SegmentList& list, const Slab& slab)
     {
-        std::uint64_t count = 0;
+        CrossedSlots found;
         const std::vector<ShortRange>& crossed = list.crossed[static_cast<std::size_t>(slab.axis)];
         for (std::size_t i = 0; i < crossed.size(); ++i) {
             const PlaneRange planes = crossed[i].within(slab.planes);
-            if (planes.first <= planes.last) count += cross(list.segments[i], slab.axis, planes);
+            if (planes.first <= planes.last) cross(list.segments[i], slab.axis, planes, found);
         }
-        return count;
+        return found.finish();
     }
 
-    std::uint64_t cross(const GridSegment& s, int axis, PlaneRange planes)
+    void cross(const GridSegment& s, int axis, PlaneRange planes, CrossedSlots& found)
     {
         const int u = (axis + 1) % 3, v = (axis + 2) % 3;
         glm::vec3 w = s.toLight;
@@ -153,24 +204,18 @@ struct GridDeposit::Work {
             w[axis] = std::copysign(1.0f, w[axis]);
             square = light;
         }
-        const std::array<Floats4, 3> values = packed(w, s.flux, glm::vec3(square * square, 0.0f, 0.0f));
+        found.begin(packed(w, s.flux, glm::vec3(square * square, 0.0f, 0.0f)));
         const int side = s.to[axis] < s.from[axis] ? 1 : 0; // light comes from where the photon does
         const auto mostU = static_cast<float>(lattice().cells[u]), mostV = static_cast<float>(lattice().cells[v]);
         const auto rowU = std::size_t(lattice().cells[u] + 1), rowV = std::size_t(lattice().cells[v] + 1);
         Slot* const first = slots.data() + 2 * std::size_t(axis) * lattice().vertexCount() + std::size_t(side);
-        std::uint64_t count = 0;
         forPlanes(s.from, s.to, axis, planes, [&](int plane, float atU, float atV) {
             if (!s.isInside && !(atU >= 0.0f && atU <= mostU && atV >= 0.0f && atV <= mostV)) return;
             const int i = static_cast<int>(atU + 0.5f), j = static_cast<int>(atV + 0.5f);
-            Slot& slot = first[2 * ((std::size_t(plane) * rowV + std::size_t(j)) * rowU + std::size_t(i))];
-            if (slot.parts != ~std::uint64_t{0}) {
-                const float x = atU + 0.5f - static_cast<float>(i), y = atV + 0.5f - static_cast<float>(j);
-                if ((slot.parts & bitOf(x, y, GridOpenness::kParts)) == 0) return;
-            }
-            for (std::size_t k = 0; k < values.size(); ++k) slot.add(k, values[k]);
-            ++count;
+            const float x = atU + 0.5f - static_cast<float>(i), y = atV + 0.5f - static_cast<float>(j);
+            found.add(first[2 * ((std::size_t(plane) * rowV + std::size_t(j)) * rowU + std::size_t(i))],
+                      bitOf(x, y, GridOpenness::kParts));
         });
-        return count;
     }
 
     std::uint64_t pass(const SegmentList& list, const Slab& slab)
@@ -286,7 +331,7 @@ bool GridDeposit::add(std::span<const SegmentBlock* const> blocks, Workers& work
     work.lists.resize(std::max(work.lists.size(), blocks.size()));
     const bool isRead = workers.run(blocks.size(), stop, [&](std::size_t b) { work.read(*blocks[b], work.lists[b]); });
     if (!isRead) return false;
-    const auto slabs = work.slabs();
+    const auto slabs = work.slabs(workers.threadCount());
     std::atomic<std::uint64_t> deposits = 0;
     const bool isSummed = workers.run(slabs.size(), stop, [&](std::size_t task) {
         std::uint64_t count = 0;
@@ -306,6 +351,8 @@ bool GridDeposit::add(std::span<const SegmentBlock* const> blocks, Workers& work
     });
 }
 
+const std::shared_ptr<const GridGeometry>& GridDeposit::geometry() const { return work_->geometry; }
+GridEstimator GridDeposit::estimator() const { return work_->estimator; }
 std::uint64_t GridDeposit::deposits() const { return deposits_; }
 
 GridLayer GridDeposit::layer(int group, double scale) const

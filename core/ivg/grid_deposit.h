@@ -28,6 +28,8 @@ public:
 
     /// Adds all segments. The same segments in the same calls give the same bits. False: stopped, do not use further.
     bool add(std::span<const SegmentBlock* const> blocks, Workers& workers, const std::stop_token& stop);
+    [[nodiscard]] const std::shared_ptr<const GridGeometry>& geometry() const;
+    [[nodiscard]] GridEstimator estimator() const;
     [[nodiscard]] std::uint64_t deposits() const; ///< faces crossed or cells passed so far, outside of walls
 
     /// What was added so far, times `scale`, as light of a group.

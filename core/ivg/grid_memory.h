@@ -20,7 +20,8 @@ struct GridMemoryJob {
     double mostPathBytes = 0.0;         ///< of kept ways, over all groups
     GridEstimator estimator = GridEstimator::crossings;
     GridRemap remap = GridRemap::joined;
-    bool isShown = false; ///< snapshots are published meanwhile: one is shown while the next is made
+    double fittedArea = 0.0; ///< m2, of the surface that light is fitted to; 0: none
+    bool isShown = false;    ///< snapshots are published meanwhile: one is shown while the next is made
 };
 [[nodiscard]] GridMemory gridMemory(const GridLattice& lattice, const GridMemoryJob& job);
 

@@ -64,6 +64,13 @@ void IrradianceGrid::mixLayers()
     kept_.resize(count * size);
     variance_.assign(count, {});
     for (std::size_t i = 0; i < count; ++i) keepForRemap(show_.remap, mixedVectors(i), {kept_.data() + i * size, size});
+    for (std::size_t g = 0; g < layers_.size() && hasSlopes(); ++g) {
+        const glm::vec3 gain = gainOf(mix_, static_cast<int>(g));
+        if (!layers_[g] || layers_[g]->onSurface.empty() || gain == glm::vec3(0.0f)) continue;
+        for (std::size_t i = 0; i < count; ++i) {
+            for (std::size_t d = 0; d < 6; ++d) kept_[i * size + d] += gain * layers_[g]->onSurface[i][d];
+        }
+    }
     for (std::size_t g = 0; g < layers_.size(); ++g) {
         const float light = luminance(gainOf(mix_, static_cast<int>(g))); // as good as a tint lets it be
         if (!layers_[g] || light == 0.0f) continue;
@@ -169,7 +176,7 @@ void IrradianceGrid::spread()
     for (float& t : trust_) t = t > 0.0f ? 1.0f : 0.0f; // weights below 0 do not go with shares
 }
 
-bool IrradianceGrid::find(glm::vec3 p, glm::vec3 n, GridCorners& corners) const
+bool IrradianceGrid::findCorners(glm::vec3 p, glm::vec3 n, GridCorners& corners) const
 {
     const GridLattice& lattice = geometry_->lattice;
     const glm::vec3 surface = lattice.toGrid(p);
@@ -241,13 +248,13 @@ bool IrradianceGrid::ownLookup(glm::vec3 p, glm::vec3 n, glm::vec3& lux) const
 {
     lux = glm::vec3(0.0f);
     GridCorners corners;
-    return find(p, n, corners) && blend(corners, p, n, lux);
+    return findCorners(p, n, corners) && blend(corners, p, n, lux);
 }
 
 std::optional<float> IrradianceGrid::ownNoise(glm::vec3 p, glm::vec3 n) const
 {
     GridCorners corners;
-    if (!find(p, n, corners)) return {};
+    if (!findCorners(p, n, corners)) return {};
     float variance = 0.0f;
     for (int axis = 0; axis < 3; ++axis) {
         float square = 0.0f, weight = 0.0f;

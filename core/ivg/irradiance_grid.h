@@ -55,6 +55,9 @@ public:
     /// By direction, of the luminance of I_delta . delta under the mix, lux^2.
     [[nodiscard]] const std::array<float, 6>& variance(std::size_t vertex) const { return variance_[vertex]; }
 
+    /// Vertices that a lookup reads, and their parts of it before what is open there is asked for. False: none.
+    [[nodiscard]] bool findCorners(glm::vec3 p, glm::vec3 n, GridCorners& corners) const;
+
     // what lookups read, of the mix
     [[nodiscard]] std::span<const glm::vec3> keptAt(std::size_t vertex) const ///< keepForRemap's numbers
     {
@@ -73,7 +76,6 @@ private:
                                                     std::span<const std::array<glm::vec3, 6>> flux) const;
     void weigh();
     void spread();
-    [[nodiscard]] bool find(glm::vec3 p, glm::vec3 n, GridCorners& corners) const;
     [[nodiscard]] bool blend(const GridCorners& corners, glm::vec3 p, glm::vec3 n, glm::vec3& lux) const;
     [[nodiscard]] bool ownLookup(glm::vec3 p, glm::vec3 n, glm::vec3& lux) const;
     [[nodiscard]] std::optional<float> ownNoise(glm::vec3 p, glm::vec3 n) const;

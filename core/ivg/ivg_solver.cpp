@@ -3,6 +3,7 @@
 #include "core/ivg/grid_advice.h"
 #include "core/ivg/grid_batches.h"
 #include "core/ivg/grid_deposit.h"
+#include "core/ivg/grid_fit.h"
 #include "core/ivg/grid_nest.h"
 #include "core/ivg/grid_paths.h"
 #include "core/params/param_text.h"
@@ -48,12 +49,14 @@ std::string latticeText(const GridLattice& l)
 /// One light group on its way into a grid.
 class GroupBake {
 public:
+    /// `surface` null: no fit.
     GroupBake(std::string key, std::unique_ptr<GridDeposit> deposit, std::unique_ptr<PathFeed> feed,
-              std::uint64_t photons, int group)
+              const std::shared_ptr<const GridSurface>& surface, std::uint64_t photons, int group)
         : key_(std::move(key)), deposit_(std::move(deposit)), feed_(std::move(feed)), photons_(photons),
           shot_(std::make_shared<GridShot>())
     {
         shot_->counts.group = group;
+        if (surface) landed_ = std::make_unique<SurfaceLight>(surface);
     }
     [[nodiscard]] const std::string& key() const { return key_; }
     [[nodiscard]] const GridDeposit& deposit() const { return *deposit_; }
@@ -65,18 +68,24 @@ public:
         const auto blocks = feed_->blocks(first, end, control, shooting_);
         if (blocks.size() != end - first) return false;
         const StageClock clock("deposit", control);
-        const bool all = deposit_->add(blocks, control.workers(), control.stop());
+        const bool all = deposit_->add(blocks, control.workers(), control.stop()) &&
+                         (!landed_ || landed_->add(blocks, control.workers(), control.stop()));
         const StageCost spent = clock.stop();
         depositing_.wallMs += spent.wallMs, depositing_.cpuMs += spent.cpuMs;
         for (const SegmentBlock* block : blocks) shot_->add(*block);
         return all;
     }
     /// The light of the photons so far.
-    [[nodiscard]] std::shared_ptr<const GridLayer> layer() const
+    [[nodiscard]] std::shared_ptr<const GridLayer> layer(Workers& workers) const
     {
         const double scale =
             shot_->counts.shot == 0 ? 1.0 : static_cast<double>(photons_) / static_cast<double>(shot_->counts.shot);
-        return std::make_shared<const GridLayer>(deposit_->layer(shot_->counts.group, scale));
+        const auto made = std::make_shared<GridLayer>(deposit_->layer(shot_->counts.group, scale));
+        if (!landed_) return made;
+        // a grid of its own: what this lamp is corrected by does not depend on other lamps
+        const IrradianceGrid alone(deposit_->geometry(), {made}, deposit_->estimator(), {}, {});
+        made->onSurface = fitToSurface(alone, landed_->surface(), landed_->illuminance(scale), workers);
+        return made;
     }
     /// Hands the finished layer to `products`.
     std::shared_ptr<const GridLayer> finish(BakeProducts& products, BakeControl& control)
@@ -84,7 +93,7 @@ public:
         shot_->deposits = deposit_->deposits();
         products.keep<GridShot>(key_, shot_, shooting_);
         const StageClock clock("deposit", control);
-        auto made = layer();
+        auto made = layer(control.workers());
         const StageCost spent = clock.stop();
         depositing_.wallMs += spent.wallMs, depositing_.cpuMs += spent.cpuMs;
         products.keep<GridLayer>(key_, made, depositing_);
@@ -95,6 +104,7 @@ public:
 private:
     std::string key_;
     std::unique_ptr<GridDeposit> deposit_;
+    std::unique_ptr<SurfaceLight> landed_; ///< null: no fit
     std::unique_ptr<PathFeed> feed_;
     std::uint64_t photons_;
     std::shared_ptr<GridShot> shot_;
@@ -135,10 +145,26 @@ public:
         return made;
     }
 
+    /// Null: light is not fitted to surface.
+    [[nodiscard]] Result<std::shared_ptr<const GridSurface>> surface(const GridLattice& lattice)
+    {
+        std::shared_ptr<const GridSurface> made;
+        if (!isFitted()) return made;
+        const std::string key = scene_.reachKey + latticeText(lattice) + "surface\n";
+        if (auto kept = products_.find<GridSurface>(key)) return kept;
+        const StageClock clock("grid", control_);
+        made = GridSurface::build(scene_.rays, *scene_.reach, lattice, control_.workers(), control_.stop());
+        if (!made) return cancelled();
+        products_.keep<GridSurface>(key, made, clock.stop());
+        return made;
+    }
+
     /// Layers of all lamps that are on; of lamps that are kept, those. Empty: stopped. Tells progress from `before` on,
     /// for `share` of the bake. `isOuter`: counts the work's photons, and publishes what there is meanwhile.
     [[nodiscard]] Layers layers(const Geometry& geometry, double before, double share, bool isOuter)
     {
+        const auto surface = this->surface(geometry->lattice);
+        if (!surface) return {};
         Layers layers(static_cast<std::size_t>(groups()));
         std::vector<GroupBake> missing;
         for (int g = 0; g < groups(); ++g) {
@@ -152,7 +178,7 @@ public:
             layer = products_.find<GridLayer>(key);
             if (!shot || !layer) {
                 layer = nullptr;
-                missing.push_back(started(g, key, geometry, missing));
+                missing.push_back(started(g, key, geometry, *surface, missing));
                 continue;
             }
             if (!isOuter) continue;
@@ -202,11 +228,17 @@ public:
                 mostPathBytes(),
                 params_.gridEstimator,
                 params_.gridRemap,
+                isFitted() ? scene_.reach->area() : 0.0,
                 job_.roughFirst};
     }
     [[nodiscard]] int groups() const { return static_cast<int>(job_.scene->groups.size()); }
 
 private:
+    /// The printed sums are meant to be dark: surface would lighten them.
+    [[nodiscard]] bool isFitted() const
+    {
+        return params_.gridFit == Switch::on && params_.gridEstimator != GridEstimator::paper;
+    }
     [[nodiscard]] double mostPathBytes() const { return params_.gridPathMemory * 1048576.0; }
     [[nodiscard]] std::uint64_t photonsOf(int group) const
     {
@@ -217,9 +249,11 @@ private:
     [[nodiscard]] std::string layerKey(int group, const GridLattice& lattice) const
     {
         return scene_.layerKey(static_cast<std::size_t>(group)) + photonKey() + latticeText(lattice) +
-               std::string(kGridEstimatorNames[static_cast<std::size_t>(params_.gridEstimator)]);
+               std::string(kGridEstimatorNames[static_cast<std::size_t>(params_.gridEstimator)]) +
+               (isFitted() ? " fit" : "");
     }
     [[nodiscard]] GroupBake started(int group, const std::string& key, const Geometry& geometry,
+                                    const std::shared_ptr<const GridSurface>& surface,
                                     const std::vector<GroupBake>& others)
     {
         auto deposit = others.empty() ? std::make_unique<GridDeposit>(geometry, params_.gridEstimator)
@@ -228,7 +262,7 @@ private:
         auto feed =
             std::make_unique<PathFeed>(scene_, photons, scene_.lampKey(static_cast<std::size_t>(group)) + photonKey(),
                                        mostPathBytes() / std::max(on_, 1), segments_.most, blocks_, products_);
-        return {key, std::move(deposit), std::move(feed), photons.count, group};
+        return {key, std::move(deposit), std::move(feed), surface, photons.count, group};
     }
     /// Takes all photons to their end, lamps side by side. False: stopped.
     bool advance(std::vector<GroupBake>& missing, const Geometry& geometry, const Layers& kept, double before,
@@ -247,7 +281,7 @@ private:
             if (!isOuter || !job_.roughFirst || end == all || !isGridMilestone(end)) continue;
             Layers soFar = kept;
             for (const GroupBake& bake : missing)
-                soFar[static_cast<std::size_t>(bake.shot().counts.group)] = bake.layer();
+                soFar[static_cast<std::size_t>(bake.shot().counts.group)] = bake.layer(control_.workers());
             control_.publish(field(geometry, std::move(soFar)), std::countr_zero(end), false, true);
         }
         return true;

@@ -9,10 +9,12 @@ namespace lightloom {
 /// A straight part of a photon's way that carries indirect light: behind its first surface, as for stored photons.
 struct PhotonSegment {
     static constexpr float kEndless = std::numeric_limits<float>::infinity();
-    glm::vec3 from;   ///< scene space
-    glm::vec3 travel; ///< unit
-    glm::vec3 flux;   ///< lumen per channel, divided by the number shot
-    float length;     ///< metres; kEndless: it left the scene
+    static constexpr std::uint32_t kNowhere = ~std::uint32_t{0};
+    glm::vec3 from;                    ///< scene space
+    glm::vec3 travel;                  ///< unit
+    glm::vec3 flux;                    ///< lumen per channel, divided by the number shot
+    float length;                      ///< metres; kEndless: it left the scene
+    std::uint32_t triangle = kNowhere; ///< on which it ends
 };
 
 /// What one block of photons left behind.

@@ -56,7 +56,8 @@ void PhotonWave::listSegments()
         block_.segments->push_back({{rays.origin[0][i], rays.origin[1][i], rays.origin[2][i]},
                                     rays.travelOf(i),
                                     photon.flux(),
-                                    isEndless ? PhotonSegment::kEndless : met.distance[i]});
+                                    isEndless ? PhotonSegment::kEndless : met.distance[i],
+                                    isEndless ? PhotonSegment::kNowhere : met.triangle[i]});
     }
 }
 

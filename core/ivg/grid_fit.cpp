@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/ivg/grid_fit.h"
+#include <algorithm>
+
+namespace lightloom {
+namespace {
+
+constexpr float kLeast = 0.25f, kMost = 4.0f; ///< of what a value was
+constexpr std::size_t kBlock = 256;           ///< patches
+
+/// How one patch reads the grid, and what it misses there.
+struct Reading {
+    struct Corner {
+        std::uint32_t vertex;
+        glm::vec3 part; ///< by axis, of the patch's whole light
+    };
+    std::array<Corner, 8> corners; ///< trilinear: no more
+    std::size_t count = 0;
+    std::array<std::uint8_t, 3> side{}; ///< by axis: the direction that is read
+    glm::vec3 missing{0.0f};            ///< lux
+};
+
+Reading readingOf(const IrradianceGrid& grid, const SurfacePatch& patch, const glm::vec3& illuminance)
+{
+    Reading reading;
+    glm::vec3 lux;
+    GridCorners corners;
+    if (!grid.findCorners(patch.position, patch.normal, corners) || !grid.lookup(patch.position, patch.normal, lux))
+        return reading;
+    glm::vec3 sum(0.0f);
+    for (const GridCorner& c : corners) {
+        const glm::vec3 weight =
+            c.weight * glm::vec3(grid.trust(c.vertex, 0), grid.trust(c.vertex, 1), grid.trust(c.vertex, 2));
+        if (weight == glm::vec3(0.0f)) continue;
+        reading.corners[reading.count++] = {static_cast<std::uint32_t>(c.vertex), weight};
+        sum += weight;
+    }
+    glm::vec3 perAxis(0.0f);
+    float known = 0.0f;
+    for (int axis = 0; axis < 3; ++axis) {
+        reading.side[static_cast<std::size_t>(axis)] = static_cast<std::uint8_t>(sideOf(axis, patch.normal));
+        if (sum[axis] <= 0.0f) continue;
+        const float square = patch.normal[axis] * patch.normal[axis];
+        perAxis[axis] = square / sum[axis];
+        known += square;
+    }
+    if (known <= 0.0f) {
+        reading.count = 0;
+        return reading;
+    }
+    for (std::size_t i = 0; i < reading.count; ++i) reading.corners[i].part *= perAxis / known;
+    reading.missing = illuminance - lux;
+    return reading;
+}
+
+} // namespace
+
+std::vector<std::array<glm::vec3, 6>> fitToSurface(const IrradianceGrid& grid, const GridSurface& surface,
+                                                   std::span<const glm::vec3> illuminance, Workers& workers)
+{
+    const std::vector<SurfacePatch>& patches = surface.patches();
+    std::vector<Reading> readings(patches.size());
+    workers.run((patches.size() + kBlock - 1) / kBlock, {}, [&](std::size_t block) {
+        for (std::size_t i = block * kBlock; i < std::min(patches.size(), (block + 1) * kBlock); ++i)
+            readings[i] = readingOf(grid, patches[i], illuminance[i]);
+    });
+
+    const std::size_t count = grid.geometry().lattice.vertexCount();
+    std::vector<std::array<glm::vec3, 6>> sums(count, std::array<glm::vec3, 6>{});
+    std::vector<std::array<float, 6>> weights(count, std::array<float, 6>{});
+    for (std::size_t i = 0; i < patches.size(); ++i) {
+        const Reading& reading = readings[i];
+        for (std::size_t k = 0; k < reading.count; ++k) {
+            const Reading::Corner& corner = reading.corners[k];
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const float weight = patches[i].area * corner.part[static_cast<int>(axis)];
+                sums[corner.vertex][reading.side[axis]] += weight * reading.missing;
+                weights[corner.vertex][reading.side[axis]] += weight;
+            }
+        }
+    }
+    for (std::size_t v = 0; v < count; ++v) {
+        for (std::size_t d = 0; d < 6; ++d) {
+            glm::vec3& sum = sums[v][d];
+            if (weights[v][d] <= 0.0f) continue;
+            const glm::vec3 value = grid.keptAt(v)[d]; // flux comes first in `joined`
+            sum = glm::clamp(sum / weights[v][d], (kLeast - 1.0f) * value, (kMost - 1.0f) * value);
+        }
+    }
+    return sums;
+}
+
+} // namespace lightloom
