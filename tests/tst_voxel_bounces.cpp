@@ -4,6 +4,7 @@
 // mix, and the bits are the same on any number of threads.
 #include "core/scene/analytic_scenes.h"
 #include "core/scene/sample_scenes.h"
+#include "core/scene/scene_builder.h"
 #include "core/transport/voxel_bounces.h"
 #include "light_helpers.h"
 #include <QtTest>
@@ -152,6 +153,36 @@ private Q_SLOTS:
         const double expected = 4.0 * std::numbers::pi * candela * rho / (24.0 * (1.0 - rho));
         qInfo("mean %.4f of what is expected", voxels.meanOf(lux) / expected);
         QVERIFY(std::abs(voxels.meanOf(lux) / expected - 1.0) <= 0.01);
+    }
+
+    void wallsWithinAVoxelDoNotLeak()
+    {
+        for (const float thick : {0.001f, 0.02f, 0.05f}) { // voxels of 6.6 cm
+            SceneBuilder builder("parted");
+            const int white = builder.addMaterial("white", glm::vec3(0.6f));
+            builder.add("Room", boxMesh({0.0f, 0.0f, 0.0f}, {4.0f, 1.5f, 2.0f}, Facing::in), white);
+            builder.add("Wall", boxMesh({2.0f, -0.1f, -0.1f}, {2.0f + thick, 1.6f, 2.1f}, Facing::out), white);
+            builder.addPoint("Left", {1.0f, 1.0f, 1.0f}, glm::vec3(1.0f));
+            builder.addPoint("Right", {3.0f, 1.0f, 1.0f}, glm::vec3(1.0f));
+            const Scene scene = builder.finish();
+            for (const float shift : {0.0f, 0.25f, 0.5f, 0.75f}) {
+                const Voxels voxels(scene, 64, shift);
+                const float wall = 2.0f + 0.5f * thick;
+                const auto isLeft = [&](const Orientation& o) { return o.centroid.x < wall; };
+                const std::vector<double> lux = voxels.grey([&](const Orientation& o) { return isLeft(o) ? 1.0 : 0.0; },
+                                                            [](const auto&) { return 0.6; });
+                double sum[2] = {}, area[2] = {};
+                for (std::size_t e = 0; e < lux.size(); ++e) {
+                    const Orientation& o = voxels.entries()[e];
+                    sum[isLeft(o)] += lux[e] * static_cast<double>(o.area);
+                    area[isLeft(o)] += static_cast<double>(o.area);
+                }
+                const double leak = sum[0] / area[0] / (sum[1] / area[1]);
+                qInfo("%g cm, shift %g: %.3f %%, lit side %.4f", 100.0 * double(thick), double(shift), 100.0 * leak,
+                      sum[1] / area[1] * 0.4);
+                QVERIFY(leak <= 0.02);
+            }
+        }
     }
 
     void lampsDoNotMix()
