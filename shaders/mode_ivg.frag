@@ -26,6 +26,9 @@ uniform sampler3D innerLight, innerPlaces;
 uniform usampler3D innerSight;
 uniform vec3 boxLow, boxHigh;
 uniform float fade;
+// 1, and not known to compilers: what loops so often is skipped where no pixel around needs it. Of an `if` Mesa's
+// software rasteriser runs both sides everywhere, which took 2.05 x the outer grid's time instead of 1.4.
+uniform int once;
 #endif
 uniform float offset; // cells along the normal
 uniform sampler2D gPosition, gNormal, gBase, gEmission;
@@ -278,9 +281,11 @@ vec4 nestedLookup(vec3 p, vec3 n)
 {
 #if NESTED == 1
     float part = gridInside(p, boxLow, boxHigh, fade);
-    vec4 fine = part > 0.0 ? lookup(inner, innerLight, innerSight, innerPlaces, p, n) : vec4(0.0);
-    if (fine.w > 0.0 && part >= 1.0) return fine;
-    vec4 coarse = lookup(outer, outerLight, outerSight, outerPlaces, p, n);
+    vec4 fine = vec4(0.0), coarse = vec4(0.0);
+    for (int i = 0; i < once && part > 0.0; ++i) fine = lookup(inner, innerLight, innerSight, innerPlaces, p, n);
+    bool isAll = fine.w > 0.0 && part >= 1.0;
+    for (int i = 0; i < once && !isAll; ++i) coarse = lookup(outer, outerLight, outerSight, outerPlaces, p, n);
+    if (isAll) return fine;
     if (fine.w <= 0.0) return coarse;
     return coarse.w > 0.0 ? mix(coarse, fine, part) : fine;
 #else

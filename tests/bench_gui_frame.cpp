@@ -23,17 +23,17 @@ struct GridForm {
 };
 std::vector<GridForm> gridForms(const std::shared_ptr<const Scene>& scene, const BakeParams& params)
 {
-    const std::shared_ptr<const IrradianceGrid> grid = bakeGrid(scene, params);
+    std::shared_ptr<const IrradianceGrid> grid = bakeGrid(scene, params);
     std::vector<GridForm> out;
     if (!grid) return out;
     const auto add = [&](GridRemap remap, GridFilter filter, GridPacking packing = GridPacking::exact) {
         Result<GpuGrid> gpu = makeGpuGrid(*grid->withShow({remap, filter, params.gridOffset}), packing);
         if (!gpu) return;
         const bool isCompressed = packing == GridPacking::compressed;
-        out.push_back(
-            {fmt::format("grid {}{} {}", kGridRemapNames[static_cast<std::size_t>(remap)],
-                         isCompressed ? " compressed" : "", kGridFilterNames[static_cast<std::size_t>(filter)]),
-             std::make_shared<const GpuGrid>(std::move(*gpu))});
+        out.push_back({fmt::format("grid {}{} {}{}", kGridRemapNames[static_cast<std::size_t>(remap)],
+                                   isCompressed ? " compressed" : "",
+                                   kGridFilterNames[static_cast<std::size_t>(filter)], gpu->inside ? ", nested" : ""),
+                       std::make_shared<const GpuGrid>(std::move(*gpu))});
     };
     for (const GridFilter filter : {GridFilter::trilinear, GridFilter::bspline}) {
         for (const GridRemap remap : {GridRemap::joined, GridRemap::flux, GridRemap::harmonic, GridRemap::paper})
@@ -41,6 +41,12 @@ std::vector<GridForm> gridForms(const std::shared_ptr<const Scene>& scene, const
         add(GridRemap::paper, filter, GridPacking::compressed);
     }
     add(GridRemap::joined, GridFilter::catmullRom);
+    BakeParams nested = params;
+    nested.gridNest = GridNest::automatic;
+    grid = bakeGrid(scene, nested);
+    for (const GridFilter filter : {GridFilter::trilinear, GridFilter::bspline}) {
+        if (grid && grid->inside().grid) add(GridRemap::joined, filter);
+    }
     return out;
 }
 

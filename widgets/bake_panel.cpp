@@ -115,7 +115,10 @@ void BakePanel::add(const BakeView& view)
 {
     if (!times_.isEmpty()) times_ += QStringLiteral("<br>");
     const QString cost = tr("%1, %2 CPU-s").arg(seconds(view.snapshot.elapsedMs)).arg(view.cpuSeconds, 0, 'f', 2);
-    if (view.isGrid()) {
+    if (view.isGrid() && view.snapshot.isRough) {
+        // in the middle of shooting: processor time is told when that is done, cells are those of the last line
+        times_ += tr("%1: %2").arg(shortName(view), seconds(view.snapshot.elapsedMs));
+    } else if (view.isGrid()) {
         times_ += tr("%1: %2, %3").arg(shortName(view), cost, gridSizeText(view.snapshot));
     } else {
         const QString what = view.snapshot.isRough ? tr("Rough") : tr("Depth %1").arg(view.snapshot.level);

@@ -88,6 +88,7 @@ void ModeIvg::draw(const ModeFrame& frame)
         program_->set("boxLow", grid_->box.low);
         program_->set("boxHigh", grid_->box.high);
         program_->set("fade", grid_->fade);
+        program_->set("once", 1);
     }
     program_->set("offset", grid_->show.offset);
     program_->set("mirrors", frame.mirrors ? 1 : 0);
