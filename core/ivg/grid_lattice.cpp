@@ -8,7 +8,9 @@ namespace {
 
 constexpr float kFlat = 1e-3f; ///< of a cell: triangles that extend less along an axis are walls across it
 constexpr int kLeastCells = 2;
-constexpr float kMargin = 1e-3f; ///< of the bound: what rounding may take from the cell to spare
+constexpr std::size_t kPlaces = 512; ///< in a cell, at which flat triangles are told apart
+constexpr float kLeastWall = 0.1f;   ///< of a cell's face: less in one place is no wall, but where curved surface turns
+constexpr float kMargin = 1e-3f;     ///< of the bound: what rounding may take from the cell to spare
 
 float fraction(float x) { return x - std::floor(x); }
 
@@ -16,14 +18,28 @@ float fraction(float x) { return x - std::floor(x); }
 
 std::vector<float> wallFractions(const RayScene& rays, int axis, float low, float cellSize)
 {
-    std::vector<float> found;
+    struct Flat {
+        float place, area;
+    };
+    std::vector<Flat> flat;
+    std::vector<double> areas(kPlaces, 0.0);
+    const auto indexOf = [](float place) { return static_cast<std::size_t>(place * static_cast<float>(kPlaces)); };
     for (std::uint32_t i = 0; i < rays.triangleCount(); ++i) {
         const SceneTriangle& t = rays.triangle(i);
         const auto [least, most] = std::minmax({t.a[axis], t.b[axis], t.c[axis]});
         if (most - least > kFlat * cellSize) continue;
         // the last step below a whole cell is the next one's beginning
-        const float place = fraction((0.5f * (least + most) - low) / cellSize);
-        found.push_back(place < 1.0f ? place : 0.0f);
+        float place = fraction((0.5f * (least + most) - low) / cellSize);
+        if (place >= 1.0f) place = 0.0f;
+        flat.push_back({place, 0.5f * glm::length(glm::cross(t.b - t.a, t.c - t.a))});
+        areas[indexOf(place)] += static_cast<double>(flat.back().area);
+    }
+    std::vector<float> found;
+    const double enough = static_cast<double>(kLeastWall * cellSize * cellSize);
+    for (const Flat& f : flat) {
+        const std::size_t at = indexOf(f.place);
+        const double here = areas[at] + areas[(at + 1) % kPlaces] + areas[(at + kPlaces - 1) % kPlaces];
+        if (here >= enough) found.push_back(f.place);
     }
     std::ranges::sort(found);
     const auto same = std::ranges::unique(found);
