@@ -8,6 +8,7 @@
 #include "core/scene/sample_scenes.h"
 #include "core/scene/scene_builder.h"
 #include "light_helpers.h"
+#include <algorithm>
 
 using namespace lightloom;
 using namespace lightloom::test;
@@ -203,6 +204,24 @@ private Q_SLOTS:
                 }
             }
         }
+    }
+
+    void flatSpotsOfCurvedSurfaceAreNoWalls() // or lattices of finely divided scenes would lie anywhere
+    {
+        SceneBuilder builder("ball in a room");
+        const int grey = builder.addMaterial("grey", glm::vec3(0.5f));
+        builder.add("Room", boxMesh({0.0f, 0.0f, 0.0f}, {2.0f, 1.5f, 1.8f}, Facing::in), grey);
+        builder.add("Step", boxMesh({0.5f, 0.0f, 0.5f}, {0.9f, 0.233f, 0.9f}), grey);
+        builder.add("Ball", sphereMesh({1.3f, 0.727f, 0.9f}, 0.3f, 200), grey);
+        builder.addPoint("Lamp", {0.3f, 1.2f, 0.4f}, glm::vec3(1.0f));
+        const LitScene lit(builder.finish());
+        const float cell = 0.1f;
+        const std::vector<float> found = wallFractions(*lit.rays, 1, 0.0f, cell);
+        for (const float place : found) { // floor, ceiling and step
+            const float room = std::min(place, 1.0f - place), step = std::abs(place - 0.33f);
+            QVERIFY2(std::min(room, step) < 1e-3f, qPrintable(QString::number(double(place))));
+        }
+        QVERIFY(std::ranges::any_of(found, [](float place) { return std::abs(place - 0.33f) < 1e-3f; }));
     }
 
     void cellsAreCubesUnlessAskedOtherwise()
