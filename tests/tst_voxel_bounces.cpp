@@ -86,7 +86,10 @@ private Q_SLOTS:
             {"box", furnaceBox(0.5f, 1.0f, {2.0f, 1.3f, 1.7f})}, {"L", cavityL(0.5f)}, {"rooms", twoRooms()}};
         for (const auto& [name, scene] : rooms) {
             const Voxels voxels(scene, 64, static_cast<float>(shift));
-            std::vector<double> glow = voxels.grey([](const auto&) { return 1.0; }, [&](const auto&) { return rho; });
+            BounceParams params;
+            params.directions = rho > 0.9 ? 512 : 256;
+            std::vector<double> glow =
+                voxels.grey([](const auto&) { return 1.0; }, [&](const auto&) { return rho; }, params);
             for (double& g : glow) g *= 1.0 - rho;
             const double mean = voxels.meanOf(glow);
             std::ranges::sort(glow);
