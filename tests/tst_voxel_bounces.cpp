@@ -1,69 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Claims: light that bounces along discrete lines is what is known exactly (METHODS section 8): furnaces wherever their
-// walls lie in the cells, open planes and screens (A4, A5) and plates with the same code, a lit cube (A7); lamps do not
-// mix, and the bits are the same on any number of threads.
+// walls lie in the cells, open planes and screens (A4, A5) and plates with the same code, a lit cube (A7).
 #include "core/scene/analytic_scenes.h"
 #include "core/scene/sample_scenes.h"
 #include "core/scene/scene_builder.h"
-#include "core/transport/voxel_bounces.h"
-#include "light_helpers.h"
+#include "voxel_helpers.h"
 #include <QtTest>
 #include <algorithm>
-#include <cstring>
 
 using namespace lightloom;
 using namespace lightloom::test;
-
-namespace {
-
-/// A scene's surface in voxels, ready for bounces.
-struct Voxels {
-    std::shared_ptr<const RayScene> rays;
-    std::shared_ptr<const SurfaceVoxels> surface;
-    std::optional<VoxelOrders> orders;
-
-    Voxels(const Scene& scene, int cells, float shift = 0.0f)
-    {
-        Workers workers(2);
-        rays = *RayScene::build(std::make_shared<const Scene>(scene));
-        const auto reach = LightReach::find(*rays, LightSampler(rays), workers, {});
-        surface = voxelise(scene.bounds, *reach, cells, shift, workers, {});
-        orders.emplace(*surface);
-    }
-    [[nodiscard]] const std::vector<Orientation>& entries() const { return surface->entries; }
-    [[nodiscard]] EntryValues bounced(const EntryValues& radiosity, const std::vector<glm::vec3>& albedo,
-                                      const BounceParams& params = {}, int threads = 2) const
-    {
-        Workers workers(threads);
-        return bounceLight(*rays, *surface, *orders, radiosity, albedo, params, workers, {});
-    }
-    /// The first channel under grey light, `radiosity` and `albedo` by entry.
-    template<class Radiosity, class Albedo>
-    [[nodiscard]] std::vector<double> grey(Radiosity radiosity, Albedo albedo, const BounceParams& params = {}) const
-    {
-        EntryValues first;
-        std::vector<glm::vec3> albedos;
-        for (const Orientation& o : entries()) {
-            first.values.insert(first.values.end(), 3, static_cast<float>(radiosity(o)));
-            albedos.emplace_back(static_cast<float>(albedo(o)));
-        }
-        const EntryValues lux = bounced(first, albedos, params);
-        std::vector<double> values;
-        for (std::size_t e = 0; e < entries().size(); ++e) values.push_back(static_cast<double>(lux.values[3 * e]));
-        return values;
-    }
-    [[nodiscard]] double meanOf(const std::vector<double>& values) const
-    {
-        double sum = 0.0, area = 0.0;
-        for (std::size_t e = 0; e < values.size(); ++e) {
-            sum += values[e] * static_cast<double>(entries()[e].area);
-            area += static_cast<double>(entries()[e].area);
-        }
-        return sum / area;
-    }
-};
-
-} // namespace
 
 class VoxelBouncesTest : public QObject {
     Q_OBJECT
@@ -186,56 +132,6 @@ private Q_SLOTS:
                 QVERIFY(leak <= 0.02);
             }
         }
-    }
-
-    void lampsDoNotMix()
-    {
-        // two light groups in one pass are what each is alone, to the bit; a red one stays red
-        const Voxels voxels(cornellBox(), 32);
-        const std::size_t count = voxels.entries().size();
-        EntryValues one, other, both;
-        both.channels = 6;
-        for (std::size_t e = 0; e < count; ++e) {
-            const glm::vec3 n = voxels.entries()[e].normal;
-            const float a = glm::max(0.0f, n.x), b = glm::max(0.0f, -n.y);
-            one.values.insert(one.values.end(), {a, 0.0f, 0.0f});
-            other.values.insert(other.values.end(), {b, 2.0f * b, b});
-            both.values.insert(both.values.end(), {a, 0.0f, 0.0f, b, 2.0f * b, b});
-        }
-        const std::vector<glm::vec3> albedo(count, glm::vec3(0.5f));
-        BounceParams params;
-        params.directions = 128;
-        params.leastGain = 0.0f; // all end after as many bounces
-        params.mostBounces = 5;
-        const EntryValues first = voxels.bounced(one, albedo, params), second = voxels.bounced(other, albedo, params),
-                          together = voxels.bounced(both, albedo, params);
-        for (std::size_t e = 0; e < count; ++e) {
-            QVERIFY(std::memcmp(&first.values[3 * e], &together.values[6 * e], 3 * sizeof(float)) == 0);
-            QVERIFY(std::memcmp(&second.values[3 * e], &together.values[6 * e + 3], 3 * sizeof(float)) == 0);
-            QVERIFY(first.values[3 * e + 1] == 0.0f && first.values[3 * e + 2] == 0.0f);
-        }
-    }
-
-    void sameBitsOnAnyThreads()
-    {
-        const Voxels voxels(cornellBox(), 32);
-        const EntryValues first{3, std::vector<float>(voxels.entries().size() * 3, 1.0f)};
-        const std::vector<glm::vec3> albedo(voxels.entries().size(), glm::vec3(0.5f, 0.6f, 0.7f));
-        const EntryValues one = voxels.bounced(first, albedo, {}, 1), three = voxels.bounced(first, albedo, {}, 3);
-        QVERIFY(one.values == three.values);
-    }
-
-    void stopsWhenAsked()
-    {
-        const Voxels voxels(cornellBox(), 32);
-        const EntryValues first{3, std::vector<float>(voxels.entries().size() * 3, 1.0f)};
-        const std::vector<glm::vec3> albedo(voxels.entries().size(), glm::vec3(0.5f));
-        std::stop_source source;
-        source.request_stop();
-        Workers workers(2);
-        QVERIFY(
-            bounceLight(*voxels.rays, *voxels.surface, *voxels.orders, first, albedo, {}, workers, source.get_token())
-                .values.empty());
     }
 
 private:

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/transport/light_strip.h"
+#include <algorithm>
+
+namespace lightloom {
+
+LightStrip::LightStrip(std::span<const Orientation> entries, std::span<const glm::vec3> albedo,
+                       const EntryValues& radiosity, std::size_t firstChannel)
+    : entries_(entries), albedo_(albedo), firstChannel_(firstChannel),
+      channels_(std::min(kMostChannels, static_cast<std::size_t>(radiosity.channels) - firstChannel)),
+      leaving_(entries.size(), channels_), arriving_(entries.size(), channels_), all_(entries.size(), channels_),
+      cosines_(entries.size()), groups_((channels_ + 2) / 3)
+{
+    const float* from = radiosity.values.data() + firstChannel;
+    for (std::size_t e = 0; e < entries.size(); ++e, from += radiosity.channels)
+        std::copy_n(from, channels_, leaving_.line(e));
+}
+
+std::size_t LightStrip::bytesFor(std::size_t entries)
+{
+    return (entries + 1) * (3 * ChannelLines::kMostWidth * sizeof(ChannelLines::Four) + sizeof(float));
+}
+
+void LightStrip::beginBounce()
+{
+    std::ranges::fill(arriving_.fours, ChannelLines::Four{});
+    std::ranges::fill(cosines_, 0.0f);
+}
+
+/// E = sum of B / pi cos dOmega, with dOmega such that the sum of cos dOmega over the entry's half space is pi.
+void LightStrip::toLux()
+{
+    for (std::size_t e = 0; e < entries_.size(); ++e) {
+        const float share = cosines_[e] > 0.0f ? 1.0f / cosines_[e] : 0.0f;
+        float* lux = arriving_.line(e);
+        for (std::size_t c = 0; c < channels_; ++c) lux[c] *= share;
+    }
+}
+
+/// Lumen of each group that the bounce brings to all entries, its three channels together.
+std::vector<double> LightStrip::lumenArrived() const
+{
+    std::vector<double> lumen(groups_.size(), 0.0);
+    for (std::size_t e = 0; e < entries_.size(); ++e) {
+        const float* lux = arriving_.line(e);
+        for (std::size_t c = 0; c < channels_; ++c) lumen[c / 3] += static_cast<double>(lux[c] * entries_[e].area);
+    }
+    return lumen;
+}
+
+bool LightStrip::endBounce(float leastGain, bool isLast)
+{
+    toLux();
+    const std::vector<double> lumen = lumenArrived();
+    float weights[kMostChannels] = {}; // of groups that are done: 0
+    bool areDone = true;
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+        Group& group = groups_[g];
+        if (group.isDone) continue;
+        group.sum += lumen[g];
+        group.isDone = isLast || lumen[g] <= static_cast<double>(leastGain) * group.sum;
+        // each further bounce is taken to bring the same share of the one before
+        const double share = group.isDone && group.before > lumen[g] ? lumen[g] / group.before : 0.0;
+        std::fill_n(weights + 3 * g, 3, static_cast<float>(1.0 / (1.0 - share)));
+        group.before = lumen[g];
+        areDone &= group.isDone;
+    }
+    for (std::size_t e = 0; e < entries_.size(); ++e) {
+        const float* lux = arriving_.line(e);
+        float *all = all_.line(e), *leaving = leaving_.line(e);
+        for (std::size_t c = 0; c < channels_; ++c) {
+            all[c] += lux[c] * weights[c];
+            leaving[c] = lux[c] * albedo_[e][static_cast<int>(c % 3)];
+        }
+    }
+    return areDone;
+}
+
+void LightStrip::writeTo(EntryValues& lux) const
+{
+    float* to = lux.values.data() + firstChannel_;
+    for (std::size_t e = 0; e < entries_.size(); ++e, to += lux.channels) std::copy_n(all_.line(e), channels_, to);
+}
+
+} // namespace lightloom

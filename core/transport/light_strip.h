@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "core/transport/entry_values.h"
+#include "core/transport/partner_gather.h"
+
+namespace lightloom {
+
+/// Light groups that bounce together, up to five: their channels fill a cache line. A group's values do not depend on
+/// those beside it.
+class LightStrip {
+public:
+    static constexpr std::size_t kMostGroups = 5, kMostChannels = 3 * kMostGroups;
+    /// Channels of `radiosity` from `firstChannel` on, as many as there are and fit in. `entries` and `albedo` must
+    /// outlive this.
+    LightStrip(std::span<const Orientation> entries, std::span<const glm::vec3> albedo, const EntryValues& radiosity,
+               std::size_t firstChannel);
+    /// The most that one takes.
+    [[nodiscard]] static std::size_t bytesFor(std::size_t entries);
+
+    void beginBounce();
+    /// Adds what arrives at entries [first, end) along the directions of a block. Several threads may call it for
+    /// entries of their own.
+    void gather(const PartnerBlock& block, const BlockDirections& directions, std::size_t first, std::size_t end)
+    {
+        gatherRows(block, directions, entries_, first, end, leaving_, arriving_, cosines_);
+    }
+    /// Adds to the result what has arrived, and reflects it. A group ends with a bounce that adds no more than
+    /// `leastGain` of the sum, or is the last; what would still come is added as a geometric series. True: all have.
+    bool endBounce(float leastGain, bool isLast);
+    /// The sums of all bounces, lux, into their channels of `lux`.
+    void writeTo(EntryValues& lux) const;
+
+private:
+    struct Group {
+        double sum = 0.0, before = 0.0; // lumen of all bounces, of the last one
+        bool isDone = false;
+    };
+    void toLux();
+    [[nodiscard]] std::vector<double> lumenArrived() const;
+
+    std::span<const Orientation> entries_;
+    std::span<const glm::vec3> albedo_;
+    std::size_t firstChannel_, channels_;
+    ChannelLines leaving_, arriving_, all_;
+    std::vector<float> cosines_;
+    std::vector<Group> groups_;
+};
+
+} // namespace lightloom

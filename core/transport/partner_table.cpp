@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/transport/partner_table.h"
+#include <algorithm>
+#include <cassert>
+
+namespace lightloom {
+namespace {
+
+constexpr std::size_t kMostNarrow = 65'535; // entries; their number stands for nothing
+
+std::size_t blocksFor(int directions)
+{
+    return (static_cast<std::size_t>(directions) + PartnerBlock::kDirections - 1) / PartnerBlock::kDirections;
+}
+
+} // namespace
+
+PartnerBlock::PartnerBlock(std::size_t entries)
+{
+    const std::size_t count = entries * kDirections;
+    if (entries <= kMostNarrow)
+        narrow_ = std::make_unique_for_overwrite<std::uint16_t[]>(count);
+    else
+        wide_ = std::make_unique_for_overwrite<std::uint32_t[]>(count);
+}
+
+std::size_t PartnerBlock::bytesFor(std::size_t entries)
+{
+    return entries * kDirections * (entries <= kMostNarrow ? sizeof(std::uint16_t) : sizeof(std::uint32_t));
+}
+
+std::uint32_t PartnerBlock::partner(std::size_t entry, std::size_t direction) const
+{
+    const std::size_t at = entry * kDirections + direction;
+    return narrow_ ? narrow_[at] : wide_[at];
+}
+
+void PartnerBlock::set(std::size_t entry, std::size_t direction, std::uint32_t partner)
+{
+    const std::size_t at = entry * kDirections + direction;
+    if (narrow_)
+        narrow_[at] = static_cast<std::uint16_t>(partner);
+    else
+        wide_[at] = partner;
+}
+
+std::unique_ptr<LinePartners> BlockWalker::takeLines()
+{
+    const std::scoped_lock lock(mutex_);
+    if (idle_.empty()) return std::make_unique<LinePartners>(voxels_, orders_);
+    std::unique_ptr<LinePartners> lines = std::move(idle_.back());
+    idle_.pop_back();
+    return lines;
+}
+
+PartnerBlock BlockWalker::walk(std::size_t block)
+{
+    const auto nothing = static_cast<std::uint32_t>(voxels_.entries.size());
+    PartnerBlock rows(nothing);
+    std::unique_ptr<LinePartners> lines = takeLines();
+    for (std::size_t i = 0; i < PartnerBlock::kDirections; ++i) {
+        const std::size_t number = block * PartnerBlock::kDirections + i;
+        if (number >= directions_.size()) {
+            for (std::size_t e = 0; e < nothing; ++e) rows.set(e, i, nothing);
+            continue;
+        }
+        const std::span<std::uint32_t> partners = lines->find(directions_[number], static_cast<std::uint32_t>(number));
+        exact_.complete(directions_[number], partners);
+        for (std::size_t e = 0; e < nothing; ++e) rows.set(e, i, std::min(partners[e], nothing));
+    }
+    const std::scoped_lock lock(mutex_);
+    idle_.push_back(std::move(lines));
+    return rows;
+}
+
+std::size_t PartnerTable::bytesFor(std::size_t entries, int directions)
+{
+    return blocksFor(directions) * PartnerBlock::bytesFor(entries);
+}
+
+std::shared_ptr<const PartnerTable> PartnerTable::make(const RayScene& rays, const SurfaceVoxels& voxels,
+                                                       const VoxelOrders& orders, int directions, std::size_t mostBytes,
+                                                       Workers& workers, const std::stop_token& stop)
+{
+    assert(directions >= 1 && directions <= kMostDirections);
+    const std::size_t entries = voxels.entries.size();
+    while (directions > 0 && bytesFor(entries, directions) > mostBytes)
+        directions = static_cast<int>((blocksFor(directions) - 1) * PartnerBlock::kDirections);
+    const std::shared_ptr<PartnerTable> table(new PartnerTable(entries, directions));
+    const std::vector<LineDirection> set = directions > 0 ? directionSet(directions) : std::vector<LineDirection>{};
+    BlockWalker walker(rays, voxels, orders, set);
+    for (std::size_t b = 0; b < blocksFor(directions); ++b) table->blocks_.emplace_back(entries);
+    const bool all =
+        workers.run(table->blocks_.size(), stop, [&](std::size_t b) { table->blocks_[b] = walker.walk(b); });
+    return all && !stop.stop_requested() ? table : nullptr;
+}
+
+} // namespace lightloom
