@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Claim: the window bakes, shows and judges irradiance grids as it does octrees. The mode chooses the method; filter
 // and form change the picture without a bake and can be undone; dimming needs none either; the atlas, the light under
-// the cursor and the snapshots are the grid's; photons' parameters stay when the method changes.
+// the cursor and the snapshots are the grid's; what was edited stays when the method changes, and the rest follows the
+// preset.
 #include "core/ivg/irradiance_grid.h"
 #include "core/octree/light_octree.h"
+#include "core/params/param_text.h"
 #include "widgets/bake_panel.h"
 #include "widgets/gl/gl_probe.h"
 #include "widgets/scene_dock.h"
@@ -233,6 +235,23 @@ private Q_SLOTS:
                      qPrintable(window_->bakePanel().countersText()));
             QTRY_COMPARE_WITH_TIMEOUT(grid() != nullptr, mode == ViewMode::grid, kPatience);
         }
+    }
+
+    void presetsFollowTheMethod()
+    {
+        const std::unique_ptr<MainWindow> window = makeWindow(); // without a scene: nothing bakes
+        window->setParams(defaultParams(Method::lightOctree));
+        const auto number = [&](const char* key) { return window->findChild<QDoubleSpinBox*>(key)->value(); };
+        const auto use = [&](const char* mode) { actionNamed(*window, mode)->trigger(); };
+        use("Grid");
+        QCOMPARE(number("photons"), static_cast<double>(defaultParams(Method::irradianceGrid).photonCount));
+        use("Octree");
+        QCOMPARE(number("photons"), static_cast<double>(BakeParams{}.photonCount));
+        window->findChild<QDoubleSpinBox*>("photons")->setValue(123'456.0);
+        use("Grid");
+        QCOMPARE(number("photons"), 123'456.0); // edited: stays
+        actionNamed(*window, "Undo")->trigger();
+        QCOMPARE(number("photons"), static_cast<double>(defaultParams(Method::irradianceGrid).photonCount));
     }
 };
 

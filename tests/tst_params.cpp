@@ -96,11 +96,35 @@ private Q_SLOTS:
 
     void presetsAreValid()
     {
-        for (const std::string_view name : kPresetNames) {
-            const Result<BakeParams> params = preset(name);
-            QVERIFY(static_cast<bool>(params) && static_cast<bool>(checkTogether(*params)));
+        for (std::size_t m = 0; m < kMethodNames.size(); ++m) {
+            const auto method = static_cast<Method>(m);
+            for (const std::string_view name : kPresetNames) {
+                const Result<BakeParams> params = preset(name, method);
+                QVERIFY(static_cast<bool>(params) && static_cast<bool>(checkTogether(*params)));
+            }
+            QVERIFY(!preset("best", method));
+            QVERIFY(*preset("preview", method) == defaultParams(method));
         }
-        QVERIFY(!preset("best"));
+        QVERIFY(defaultParams(Method::lightOctree) == BakeParams{});
+    }
+
+    void presetsFollowTheMethod()
+    {
+        QVERIFY(defaultParams(Method::irradianceGrid).photonCount > defaultParams(Method::lightOctree).photonCount);
+        for (const Method from : {Method::lightOctree, Method::irradianceGrid, Method::photonMap}) {
+            for (const Method to : {Method::lightOctree, Method::irradianceGrid}) {
+                for (const std::string_view name : kPresetNames) {
+                    const BakeParams was = *preset(name, from), becomes = *preset(name, to);
+                    QVERIFY2(paramsFor(was, from, to) == becomes, name.data());
+                    BakeParams edited = was, wanted = becomes;
+                    edited.gridShift = wanted.gridShift = 0.5f; // what was edited stays, the rest follows
+                    edited.gatherCount = wanted.gatherCount = 77;
+                    QVERIFY2(paramsFor(edited, from, to) == wanted, name.data());
+                    edited.photonCount = wanted.photonCount = 123'456;
+                    QVERIFY2(paramsFor(edited, from, to) == wanted, name.data());
+                }
+            }
+        }
     }
 };
 

@@ -60,6 +60,13 @@ QString sceneIn(const QMimeData* mime)
 
 constexpr int kParamEdits = 1'000'000; ///< numbers of undo steps that may be joined: lamps first, then parameters
 
+/// An edit may be undone under another method.
+struct MethodParams {
+    BakeParams params;
+    Method method;
+    bool operator==(const MethodParams&) const = default;
+};
+
 QString fromView(std::string_view s) { return QString::fromUtf8(s.data(), static_cast<qsizetype>(s.size())); }
 
 /// What the snapshot was made with; a coarse one may be shown.
@@ -287,7 +294,7 @@ void MainWindow::startBake(bool urgent)
     const Result<Done> fits = checkTogether(paramPanel_->params());
     if (!fits) {
         messages_->show(QString::fromStdString(fits.error().message), tr("Reset parameters"),
-                        [this] { setParams(BakeParams{}); });
+                        [this] { setParams(defaultParams(method_)); });
         return;
     }
     BakeJob job;
@@ -336,12 +343,13 @@ void MainWindow::paramsEdited(const BakeParams& params)
         last = static_cast<int>(i);
     }
     const QString what = changed == 1 ? fromView(kParams[static_cast<std::size_t>(last)].label) : tr("parameters");
-    const auto apply = [this](const BakeParams& value) {
-        params_ = value;
-        paramPanel_->setParams(value);
+    const auto apply = [this](const MethodParams& value) {
+        params_ = paramsFor(value.params, value.method, method_);
+        paramPanel_->setParams(params_);
         editDelay_.start();
     };
-    undoStack_->push(new EditCommand<BakeParams>(what, params_, params, apply, changed == 1 ? kParamEdits + last : -1));
+    undoStack_->push(new EditCommand<MethodParams>(what, {params_, method_}, {params, method_}, apply,
+                                                   changed == 1 ? kParamEdits + last : -1));
     params_ = params;
     editDelay_.start();
 }
@@ -375,6 +383,7 @@ void MainWindow::useMethod(Method method)
     if (method == method_) return;
     method_ = method;
     paramPanel_->setMethod(method);
+    params_ = paramPanel_->params();
     bakePanel_->setMethod(method);
     sweepPanel_->setMethod(method);
     startBake(false);
@@ -512,7 +521,7 @@ void MainWindow::bakeFinished(quint64 serial, const QString& error, bool isCance
     pause_->setEnabled(false);
     cancel_->setEnabled(false);
     const QString outcome = !error.isEmpty() ? tr("Failed") : isCancelled ? tr("Cancelled") : tr("Done");
-    if (!error.isEmpty()) messages_->show(error, tr("Reset parameters"), [this] { setParams(BakeParams{}); });
+    if (!error.isEmpty()) messages_->show(error, tr("Reset parameters"), [this] { setParams(defaultParams(method_)); });
     bakePanel_->end(outcome, counters);
     statusStage_->setText(outcome);
     Q_EMIT bakeEnded(error.isEmpty() && !isCancelled);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How the window is put together: actions, menus, docks, bars. What they do stands in main_window.cpp.
+#include "core/params/param_text.h"
 #include "shaders/common.h"
 #include "widgets/bake_bridge.h"
 #include "widgets/bake_panel.h"
@@ -151,7 +152,7 @@ void MainWindow::connectActions()
         pause_->setChecked(false);
         bridge_->cancel();
     });
-    connect(resetParams_, &QAction::triggered, this, [this] { setParams(BakeParams{}); });
+    connect(resetParams_, &QAction::triggered, this, [this] { setParams(defaultParams(method_)); });
     connect(shortcuts_, &QAction::triggered, this, &MainWindow::showShortcuts);
     connect(about_, &QAction::triggered, this, [this] {
         QMessageBox::about(this, tr("Lightloom"),

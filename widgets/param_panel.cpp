@@ -91,12 +91,12 @@ ParamPanel::ParamPanel(Method method, QWidget* parent) : QWidget(parent), method
     preset_->addItem(tr("Custom"));
     for (const std::string_view name : kPresetNames) preset_->addItem(text(name));
     preset_->setAccessibleName(tr("Preset"));
-    preset_->setToolTip(tr("Draft: fast and rough. Preview: the defaults. Final: slow and fine."));
+    preset_->setToolTip(tr("Draft: fast and rough. Preview: the method's defaults. Final: slow and fine."));
     presetForm->addRow(tr("Preset"), preset_);
     column->addLayout(presetForm);
     connect(preset_, &QComboBox::activated, this, [this](int index) {
         if (index == 0) return;
-        const Result<BakeParams> chosen = preset(preset_->itemText(index).toStdString());
+        const Result<BakeParams> chosen = preset(preset_->itemText(index).toStdString(), method_);
         if (!chosen) return;
         setParams(*chosen);
         Q_EMIT edited(params_);
@@ -108,6 +108,7 @@ ParamPanel::ParamPanel(Method method, QWidget* parent) : QWidget(parent), method
 void ParamPanel::setMethod(Method method)
 {
     if (method == method_) return;
+    params_ = paramsFor(params_, method_, method);
     method_ = method;
     rows_.clear();
     delete form_;
@@ -161,12 +162,13 @@ void ParamPanel::addRow(const ParamSpec& spec, QFormLayout& form)
     row.reset->setObjectName(text(spec.key) + QStringLiteral(".reset"));
     row.reset->setText(QStringLiteral("↺"));
     row.reset->setAutoRaise(true);
-    row.reset->setToolTip(tr("Back to %1").arg(QString::fromStdString(paramText(BakeParams{}, spec))));
+    row.reset->setToolTip(tr("Back to %1").arg(QString::fromStdString(paramText(defaultParams(method_), spec))));
     row.reset->setAccessibleName(tr("Reset %1").arg(text(spec.label)));
     QSizePolicy keep = row.reset->sizePolicy();
     keep.setRetainSizeWhenHidden(true); // rows must not jump when a value changes
     row.reset->setSizePolicy(keep);
-    connect(row.reset, &QToolButton::clicked, this, [this, &spec] { set(spec, paramValue(BakeParams{}, spec)); });
+    connect(row.reset, &QToolButton::clicked, this,
+            [this, &spec] { set(spec, paramValue(defaultParams(method_), spec)); });
     auto* field = new QHBoxLayout;
     field->addWidget(row.editor, 1);
     field->addWidget(row.reset);
@@ -215,11 +217,12 @@ void ParamPanel::setParams(const BakeParams& params)
 void ParamPanel::showValues()
 {
     filling_ = true;
+    const BakeParams defaults = defaultParams(method_);
     for (const Row& row : rows_) {
         const double value = paramValue(params_, *row.spec);
         if (auto* number = qobject_cast<QDoubleSpinBox*>(row.editor)) number->setValue(value);
         if (auto* choice = qobject_cast<QComboBox*>(row.editor)) choice->setCurrentIndex(static_cast<int>(value));
-        const bool isChanged = value != paramValue(BakeParams{}, *row.spec);
+        const bool isChanged = value != paramValue(defaults, *row.spec);
         QFont font = row.label->font();
         font.setBold(isChanged);
         row.label->setFont(font);
@@ -228,7 +231,7 @@ void ParamPanel::showValues()
     }
     int index = 0;
     for (std::size_t i = 0; i < kPresetNames.size(); ++i) {
-        const Result<BakeParams> named = preset(kPresetNames[i]);
+        const Result<BakeParams> named = preset(kPresetNames[i], method_);
         if (named && *named == params_) index = static_cast<int>(i) + 1;
     }
     preset_->setCurrentIndex(index);

@@ -17,7 +17,7 @@ class ParamPanel final : public QWidget {
     Q_OBJECT
 public:
     explicit ParamPanel(Method method, QWidget* parent = nullptr);
-    void setMethod(Method method); ///< rows of another; values stay
+    void setMethod(Method method); ///< rows of another; what was edited stays, the rest follows the preset
     [[nodiscard]] const BakeParams& params() const { return params_; }
     /// Shows other values; sends no signal.
     void setParams(const BakeParams& params);

@@ -44,15 +44,15 @@ QString nameOf(Method method)
     return method == Method::irradianceGrid ? QObject::tr("the irradiance grid") : QObject::tr("the light octree");
 }
 
-/// A few values around the default that the parameter can take.
-QString suggestion(const ParamSpec& spec)
+/// A few values around the method's default that the parameter can take.
+QString suggestion(const ParamSpec& spec, Method method)
 {
     if (spec.isChoice()) {
         QStringList all;
         for (const std::string_view choice : spec.choices) all += text(choice);
         return all.join(',');
     }
-    const double middle = paramValue(BakeParams{}, spec);
+    const double middle = paramValue(defaultParams(method), spec);
     const bool isWhole = !std::holds_alternative<float BakeParams::*>(spec.field);
     std::vector<double> values;
     if (middle == 0.0 || spec.most <= 20.0) {
@@ -119,7 +119,7 @@ void SweepPanel::suggest(const AxisEdit& edit)
 {
     const ParamSpec* spec = findParam(edit.param->currentData().toString().toStdString());
     edit.values->setEnabled(spec != nullptr);
-    edit.values->setText(spec != nullptr ? suggestion(*spec) : QString());
+    edit.values->setText(spec != nullptr ? suggestion(*spec, method_) : QString());
 }
 
 void SweepPanel::fillAxes()

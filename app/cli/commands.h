@@ -44,7 +44,7 @@ struct BakeOptions {
     std::optional<double> timeBudget, errorBudget; ///< CPU-seconds; fraction
     Isa isa = Isa::automatic;
 };
-[[nodiscard]] Result<BakeParams> bakeParams(const BakeOptions& options);
+[[nodiscard]] Result<BakeParams> bakeParams(const BakeOptions& options, Method method);
 /// With --target-stderr the most paths and samples of a reference rise out of its way, unless they were set by hand.
 void makeRoomForTarget(BakeParams& params, const BakeOptions& options);
 /// Whether `key` was given a value by hand.

@@ -109,7 +109,7 @@ int compare(const Context& context, const CompareCommand& command)
         if (const Result<Done> fine = checkOutput(command.heatmap); !fine) return failWriting(fine.error());
     }
     if (const Result<Done> fine = checkSides(command); !fine) return fail(fine.error());
-    if (const Result<BakeParams> fine = bakeParams(command.options); !fine) return failUsage(fine.error());
+    if (const Result<BakeParams> fine = bakeParams(command.options, {}); !fine) return failUsage(fine.error());
     const bool isFlip = command.metric == "flip";
     Result<Pair> pair = readSides(context, command, isFlip);
     if (!pair) return fail(pair.error());

@@ -131,10 +131,12 @@ Result<Done> checkRequest(const LightingRequest& request)
         return Error{Error::Kind::badInput,
                      "say with what: --method " + std::string(kMethodNames[0]) + ", for example"};
     }
+    Result<Method> method = Method::lightOctree; // a finished bake's own values count
     if (!request.method.empty()) {
-        if (const Result<Method> method = methodNamed(request.method); !method) return method.error();
+        method = methodNamed(request.method);
+        if (!method) return method.error();
     }
-    if (const Result<BakeParams> params = bakeParams(request.options); !params) return params.error();
+    if (const Result<BakeParams> params = bakeParams(request.options, *method); !params) return params.error();
     const Result<Done> fine = checkBudget(request.options, request.method, request.bakeFile);
     if (!fine) return fine.error();
     if (request.cache.resume && request.method != methodName(Method::reference)) {
@@ -168,7 +170,7 @@ Result<Lighting> prepareLighting(const Context& context, const LightingRequest& 
     }
     const Result<Method> method = methodNamed(request.method);
     if (!method) return method.error();
-    const Result<BakeParams> params = bakeParams(request.options);
+    const Result<BakeParams> params = bakeParams(request.options, *method);
     if (!params) return params.error();
     lighting.method = *method;
     lighting.params = *params;

@@ -7,9 +7,9 @@
 
 namespace lightloom::cli {
 
-Result<BakeParams> bakeParams(const BakeOptions& options)
+Result<BakeParams> bakeParams(const BakeOptions& options, Method method)
 {
-    const Result<BakeParams> params = preset(options.preset);
+    const Result<BakeParams> params = preset(options.preset, method);
     return params ? withOptions(*params, options) : params;
 }
 
@@ -43,12 +43,25 @@ Result<BakeParams> withOptions(BakeParams from, const BakeOptions& options)
 
 namespace {
 
+/// What the parameter is by default for methods for which that is not the usual value.
+std::vector<std::pair<std::string_view, std::string>> otherDefaults(const ParamSpec& spec)
+{
+    std::vector<std::pair<std::string_view, std::string>> others;
+    for (std::size_t m = 0; m < kMethodNames.size(); ++m) {
+        const BakeParams defaults = defaultParams(static_cast<Method>(m));
+        const bool isOther = paramValue(defaults, spec) != paramValue({}, spec);
+        if (isOther && (spec.methods & (1u << m)) != 0) others.emplace_back(kMethodNames[m], paramText(defaults, spec));
+    }
+    return others;
+}
+
 nlohmann::json asJson(const ParamSpec& spec)
 {
     nlohmann::json json{
         {"key", spec.key},   {"label", spec.label},          {"unit", spec.unit}, {"least", spec.least},
         {"most", spec.most}, {"redo", stageName(spec.redo)}, {"help", spec.help}, {"default", paramText({}, spec)}};
     for (const std::string_view name : spec.choices) json["choices"].push_back(name);
+    for (const auto& [method, value] : otherDefaults(spec)) json["defaults"][std::string(method)] = value;
     for (std::size_t m = 0; m < kMethodNames.size(); ++m) {
         if (spec.methods & (1u << m)) json["methods"].push_back(kMethodNames[m]);
     }
@@ -68,9 +81,10 @@ int params(const Context& context)
     for (const ParamSpec& spec : kParams) {
         const std::string range = spec.isChoice() ? fmt::format("{}", fmt::join(spec.choices, "|"))
                                                   : fmt::format("{:.10g} .. {:.10g}", spec.least, spec.most);
-        fmt::print("{:<20} {:<10} {:<22} {}{}\n{:20} {}\n", spec.key, paramText({}, spec), range,
-                   spec.unit.empty() ? "" : fmt::format("{}; ", spec.unit),
-                   fmt::format("redoes {}", stageName(spec.redo)), "", spec.help);
+        std::string notes = spec.unit.empty() ? "" : fmt::format("{}; ", spec.unit);
+        for (const auto& [method, value] : otherDefaults(spec)) notes += fmt::format("{} for {}; ", value, method);
+        fmt::print("{:<20} {:<10} {:<22} {}redoes {}\n{:20} {}\n", spec.key, paramText({}, spec), range, notes,
+                   stageName(spec.redo), "", spec.help);
     }
     return kDone;
 }

@@ -205,7 +205,7 @@ Result<SweepPlan> planOf(const SweepCommand& command)
     if (!solverFor(*method)) {
         return Error{Error::Kind::badInput, command.method + " keeps nothing to bake, so there is nothing to sweep"};
     }
-    const Result<BakeParams> base = bakeParams(command.options);
+    const Result<BakeParams> base = bakeParams(command.options, *method);
     if (!base) return base.error();
     SweepPlan plan{nullptr, *method, command.options.isa, *base, {}, LIGHTLOOM_VERSION};
     for (const std::string& text : command.vary) {

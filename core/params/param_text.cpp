@@ -122,11 +122,21 @@ std::string stageKey(const BakeParams& params, Stage stage, Method method)
     return text;
 }
 
-Result<BakeParams> preset(std::string_view name)
+BakeParams defaultParams(Method method)
 {
     BakeParams params;
+    // a grid's noise is every photon's that crosses a cell's face; an octree has hundreds under each kernel
+    if (method == Method::irradianceGrid) params.photonCount = 2'000'000;
+    return params;
+}
+
+Result<BakeParams> preset(std::string_view name, Method method)
+{
+    BakeParams params = defaultParams(method);
     if (name == "draft") {
-        params.photonCount = 100'000;
+        const bool isGrid = method == Method::irradianceGrid;
+        params.photonCount = isGrid ? 500'000 : 100'000;
+        if (isGrid) params.gridSize = 24;
         params.gatherCount = 100;
         params.octreeDepth = 5;
         params.octreeFirstDepth = 4;
@@ -148,6 +158,28 @@ Result<BakeParams> preset(std::string_view name)
     }
     return Error{Error::Kind::badInput,
                  fmt::format("there is no preset {}; there are {}", name, fmt::join(kPresetNames, ", "))};
+}
+
+BakeParams paramsFor(const BakeParams& params, Method from, Method to)
+{
+    const auto differences = [&params](const BakeParams& other) {
+        return std::ranges::count_if(
+            kParams, [&](const ParamSpec& spec) { return paramValue(params, spec) != paramValue(other, spec); });
+    };
+    const auto nearer = [&](std::string_view a, std::string_view b) {
+        return differences(*preset(a, from)) < differences(*preset(b, from));
+    };
+    constexpr std::array<std::string_view, 3> kByRank{"preview", "draft",
+                                                      "final"}; // the usual one where two are as near
+    const std::string_view nearest = *std::ranges::min_element(kByRank, nearer);
+    const BakeParams was = *preset(nearest, from), becomes = *preset(nearest, to);
+    BakeParams result = params;
+    for (const ParamSpec& spec : kParams) {
+        if (paramValue(params, spec) != paramValue(was, spec)) continue;
+        const Result<BakeParams> set = with(result, spec.key, paramValue(becomes, spec));
+        if (set) result = *set;
+    }
+    return result;
 }
 
 Result<Method> methodNamed(std::string_view name)

@@ -32,9 +32,13 @@ namespace lightloom {
 /// Text of every parameter up to and including `stage` that `method` reads: equal texts, equal products.
 [[nodiscard]] std::string stageKey(const BakeParams& params, Stage stage, Method method);
 
-/// "draft", "preview" (the defaults) or "final"; Error lists them.
-[[nodiscard]] Result<BakeParams> preset(std::string_view name);
+/// "draft", "preview" (the method's defaults) or "final"; Error lists them.
+[[nodiscard]] Result<BakeParams> preset(std::string_view name, Method method);
 inline constexpr std::array<std::string_view, 3> kPresetNames{"draft", "preview", "final"};
+[[nodiscard]] BakeParams defaultParams(Method method);
+/// `params`, of the method `from`, for `to`: what stands as in the preset that they are nearest to becomes what that
+/// preset has for `to`; what was set by hand stays.
+[[nodiscard]] BakeParams paramsFor(const BakeParams& params, Method from, Method to);
 
 inline constexpr std::array<std::string_view, 5> kMethodNames{"light-octree", "irradiance-grid", "photon-map", "direct",
                                                               "reference"};
