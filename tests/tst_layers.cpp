@@ -37,8 +37,8 @@ private Q_SLOTS:
     {
         const std::map<QString, int> rank{{"base", 0},  {"params", 1},    {"scene", 2},     {"trace", 3},
                                           {"field", 4}, {"photonmap", 5}, {"transport", 6}, {"lightcuts", 7},
-                                          {"ivg", 8},   {"octree", 8},    {"voxel", 8},     {"atlas", 8},
-                                          {"bake", 9},  {"compare", 10}};
+                                          {"ivg", 8},   {"octree", 8},    {"voxel", 9},     {"atlas", 8},
+                                          {"bake", 10}, {"compare", 11}};
         const QStringList files = sources("core");
         QVERIFY2(files.size() > 20, "the source folder was not found");
         for (const QString& path : files) {

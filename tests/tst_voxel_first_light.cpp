@@ -17,10 +17,12 @@ struct VoxelScene : LitScene {
     {
         reach = LightReach::find(*rays, *lights, workers, {});
         voxels = voxelise(scene->bounds, *reach, cells, shift, workers, {});
+        for (std::size_t g = 0; g < scene->groups.size(); ++g) groups.push_back(static_cast<int>(g));
     }
     Workers workers{2};
     std::shared_ptr<const LightReach> reach;
     std::shared_ptr<const SurfaceVoxels> voxels;
+    std::vector<int> groups; ///< all
 };
 
 } // namespace
@@ -58,7 +60,7 @@ private Q_SLOTS:
     void aPointLampInACube()
     {
         VoxelScene s(litCube(0.5f, 100.0f), 24, 0.3f);
-        const EntryValues lux = firstLight(*s.lights, *s.reach, *s.voxels, 4, 1, s.workers, {});
+        const EntryValues lux = firstLight(*s.lights, *s.reach, *s.voxels, s.groups, 4, 1, s.workers, {});
         QCOMPARE(lux.channels, 3);
         double found = 0.0, flux = 0.0;
         for (std::size_t e = 0; e < lux.entries(); ++e) {
@@ -80,7 +82,7 @@ private Q_SLOTS:
             const std::vector<glm::vec3> albedo = entryAlbedos(*s.rays, *s.reach, *s.voxels);
             for (const glm::vec3& a : albedo)
                 QVERIFY(glm::all(glm::lessThanEqual(glm::abs(a - rho), glm::vec3(1e-5f))));
-            const EntryValues first = firstLight(*s.lights, *s.reach, *s.voxels, 4, 1, s.workers, {});
+            const EntryValues first = firstLight(*s.lights, *s.reach, *s.voxels, s.groups, 4, 1, s.workers, {});
             const EntryValues lux =
                 bounceLight(*s.rays, *s.voxels, orders, reflected(first, albedo), albedo, {}, s.workers, {});
             double sum = 0.0, area = 0.0;
@@ -97,13 +99,18 @@ private Q_SLOTS:
     void lampsAreKeptApart()
     {
         VoxelScene s(twoRooms(), 24);
-        const EntryValues lux = firstLight(*s.lights, *s.reach, *s.voxels, 2, 1, s.workers, {});
+        const EntryValues lux = firstLight(*s.lights, *s.reach, *s.voxels, s.groups, 2, 1, s.workers, {});
         QCOMPARE(lux.channels, 6);
         Workers three(3);
-        QVERIFY(firstLight(*s.lights, *s.reach, *s.voxels, 2, 1, three, {}).values == lux.values);
+        QVERIFY(firstLight(*s.lights, *s.reach, *s.voxels, s.groups, 2, 1, three, {}).values == lux.values);
+        const int second[] = {1};
+        const EntryValues alone = firstLight(*s.lights, *s.reach, *s.voxels, second, 2, 1, three, {});
+        QCOMPARE(alone.channels, 3);
+        for (std::size_t e = 0; e < lux.entries(); ++e)
+            for (std::size_t c = 0; c < 3; ++c) QCOMPARE(alone.values[3 * e + c], lux.values[6 * e + 3 + c]);
         RunningMean lumen[2]; // the rooms are closed: all light of each lamp falls on their surface
         for (std::uint64_t seed = 1; seed <= 12; ++seed) {
-            const EntryValues found = firstLight(*s.lights, *s.reach, *s.voxels, 4, seed, three, {});
+            const EntryValues found = firstLight(*s.lights, *s.reach, *s.voxels, s.groups, 4, seed, three, {});
             double sums[2] = {};
             for (std::size_t i = 1; i < found.values.size(); i += 3) // green
                 sums[i / 3 % 2] += static_cast<double>(found.values[i] * s.voxels->entries[i / 6].area);

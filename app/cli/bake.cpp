@@ -7,6 +7,7 @@
 #include "core/ivg/grid_advice.h"
 #include "core/octree/light_octree.h"
 #include "core/scene/thin_walls.h"
+#include "core/voxel/voxel_field.h"
 #include <filesystem>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -69,6 +70,26 @@ void printGrid(const Lighting& lighting)
                c.keptBytes / (1 << 20), c.mostBytes / (1 << 20));
 }
 
+/// Of voxel radiosity: how many voxels of what size; else null.
+nlohmann::json voxelReport(const Lighting& lighting)
+{
+    const auto* field = dynamic_cast<const VoxelField*>(lighting.field.get());
+    if (!field) return nullptr;
+    return {{"voxels", field->surface().leaves->cells.size()},
+            {"entries", field->surface().leaves->entries.size()},
+            {"voxel_size", field->surface().leaves->cellSize()},
+            {"bounces", lighting.counters.bounces}};
+}
+
+void printVoxels(const Lighting& lighting)
+{
+    const auto* field = dynamic_cast<const VoxelField*>(lighting.field.get());
+    if (!field) return;
+    const OctreeGeometry& leaves = *field->surface().leaves;
+    fmt::print("  voxels: {} of {:.3g} m with {} entries, {} bounces\n", leaves.cells.size(), leaves.cellSize(),
+               leaves.entries.size(), lighting.counters.bounces);
+}
+
 /// Light passes through walls that are too thin for the grid: told, with what parts them.
 void warnOfThinWalls(const Context& context, const Lighting& lighting)
 {
@@ -127,6 +148,7 @@ nlohmann::json report(const Lighting& lighting, const BakeInfo& info, std::optio
               {"vertices", c.vertices},
               {"deposits", c.deposits}}},
             {"grid", gridReport(lighting)},
+            {"voxels", voxelReport(lighting)},
             {"energy_lm",
              {{"emitted", vec(c.ledger.emitted)},
               {"absorbed", vec(c.ledger.absorbed)},
@@ -138,13 +160,16 @@ nlohmann::json report(const Lighting& lighting, const BakeInfo& info, std::optio
 void print(const Lighting& lighting, std::optional<double> noise, const std::string& output, std::uint64_t fileBytes)
 {
     const WorkCounters& c = lighting.counters;
-    fmt::print("{}: {:.2f} s, {:.2f} CPU-s, {} photons shot, {} stored", methodName(lighting.method),
-               lighting.bakeSeconds, allCpuSeconds(c.stages), c.photonsShot, c.photonsStored);
+    fmt::print("{}: {:.2f} s, {:.2f} CPU-s", methodName(lighting.method), lighting.bakeSeconds,
+               allCpuSeconds(c.stages));
+    if (lighting.method != Method::voxelLightcuts)
+        fmt::print(", {} photons shot, {} stored", c.photonsShot, c.photonsStored);
     if (lighting.method == Method::lightOctree) fmt::print(", {} leaves, {} entries", c.leaves, c.entries);
     if (lighting.method == Method::irradianceGrid)
         fmt::print(", {} vertices in the open, {} deposits", c.vertices, c.deposits);
     fmt::print("\n");
     printGrid(lighting);
+    printVoxels(lighting);
     for (const StageCost& s : c.stages) fmt::print("  {:<12} {:9.1f} ms {:9.1f} CPU-ms\n", s.stage, s.wallMs, s.cpuMs);
     const double emitted = glm::dot(c.ledger.emitted, glm::dvec3(1.0));
     if (emitted > 0.0) {

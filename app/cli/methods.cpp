@@ -10,6 +10,7 @@
 #include "core/photonmap/photon_map_solver.h"
 #include "core/photonmap/photon_products.h"
 #include "core/scene/gltf_reader.h"
+#include "core/voxel/voxel_field.h"
 #include <chrono>
 #include <fmt/format.h>
 
@@ -103,6 +104,7 @@ Result<Done> readBaked(const Context& context, const LightingRequest& request, L
     lighting.method = file->info.method;
     lighting.field = file->octree;
     if (file->grid) lighting.field = file->grid;
+    if (file->voxels) lighting.field = file->voxels;
     if (!request.method.empty() && request.method != methodName(lighting.method)) {
         return Error{Error::Kind::badInput, fmt::format("{} was made with {}, not {}", request.bakeFile,
                                                         methodName(lighting.method), request.method)};

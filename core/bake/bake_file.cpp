@@ -110,6 +110,8 @@ try {
         storeOctree(*octree, scene, file);
     } else if (const auto* grid = dynamic_cast<const IrradianceGrid*>(&field)) {
         storeGrid(*grid, scene, file);
+    } else if (const auto* voxels = dynamic_cast<const VoxelField*>(&field)) {
+        storeVoxels(*voxels, scene, file);
     } else if (const auto* map = dynamic_cast<const PhotonMapField*>(&field)) {
         storePhotons(*map, scene, file);
     } else {
@@ -139,13 +141,17 @@ try {
     for (const LightGroup& group : scene.groups) {
         isOn.push_back(std::ranges::find(info->off, group.id) == info->off.end());
     }
-    BakeFile bake{*info, nullptr, nullptr, {}, {}};
+    BakeFile bake{*info, nullptr, nullptr, nullptr, {}, {}};
     if (info->method == Method::lightOctree) {
         bake.octree = readOctree(file, scene, isOn, info->params);
         return bake;
     }
     if (info->method == Method::irradianceGrid) {
         bake.grid = readGrid(file, scene, isOn, info->params);
+        return bake;
+    }
+    if (info->method == Method::voxelLightcuts) {
+        bake.voxels = readVoxels(file, scene, isOn);
         return bake;
     }
     for (std::size_t g = 0; g < isOn.size(); ++g) {

@@ -15,6 +15,7 @@ namespace lightloom {
 
 class IrradianceGrid;
 class LightOctree;
+class VoxelField;
 struct PhotonPaths;
 
 /// What a bake file says about itself.
@@ -33,6 +34,7 @@ struct BakeFile {
     BakeInfo info;
     std::shared_ptr<const LightOctree> octree;               ///< method light-octree
     std::shared_ptr<const IrradianceGrid> grid;              ///< method irradiance-grid
+    std::shared_ptr<const VoxelField> voxels;                ///< method voxel-lightcuts
     std::vector<std::shared_ptr<const PhotonPaths>> photons; ///< method photon-map, by light group; null: was off
     std::vector<ChristensenCache::Values> caches;            ///< the same with photons.lookup=christensen, else empty
 };
@@ -46,6 +48,8 @@ struct BakeFile {
 ///   irradiance-grid/d0/geometry/{face_share,cell_share,sight_low,sight_high}   of vertices in the open, voxels around
 ///   them irradiance-grid/d0/<group>/vectors/<direction>/<channel>           I_delta, lux; <direction> -x +x -y +y -z
 ///   +z irradiance-grid/d0/<group>/variance/<direction>                    of the luminance of I_delta . delta, lux^2
+///   voxel-lightcuts/d<depth>/geometry/{normal,centroid,area,albedo}/<entry>    of surface voxels, cubes of the root /
+///   2^d voxel-lightcuts/d<depth>/<group>/{direct,indirect}/<entry>             lux on the entry's own surface
 ///   photon-map/d0/<group>/{position,to_light,flux,normal}/0/0          photon i at (i % 128, i / 128 % 128, i / 16384)
 ///   photon-map/d0/<group>/{irradiance,noise}/0/0                       of Christensen's cache, point i likewise, lux
 /// "/" in group ids is written %2F. The same bake gives the same bytes; nothing in it depends on time or host.

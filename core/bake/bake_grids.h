@@ -4,6 +4,7 @@
 #include "core/ivg/irradiance_grid.h"
 #include "core/octree/light_octree.h"
 #include "core/photonmap/photon_map_solver.h"
+#include "core/voxel/voxel_field.h"
 
 /// What each method keeps in a bake file (the names of its grids stand in bake_file.h). Readers throw as VdbFile does.
 namespace lightloom {
@@ -19,6 +20,10 @@ void storeOctree(const LightOctree& octree, const Scene& scene, VdbFile& file);
 void storeGrid(const IrradianceGrid& grid, const Scene& scene, VdbFile& file);
 [[nodiscard]] std::shared_ptr<const IrradianceGrid> readGrid(const VdbFile& file, const Scene& scene,
                                                              const std::vector<bool>& isOn, const BakeParams& params);
+
+void storeVoxels(const VoxelField& field, const Scene& scene, VdbFile& file);
+[[nodiscard]] std::shared_ptr<const VoxelField> readVoxels(const VdbFile& file, const Scene& scene,
+                                                           const std::vector<bool>& isOn);
 
 void storePhotons(const PhotonMapField& field, const Scene& scene, VdbFile& file);
 /// Empty where the bake kept none.

@@ -3,11 +3,13 @@
 #include "core/atlas/atlas_scene.h"
 #include "core/bake/grid_volume.h"
 #include "core/bake/octree_volume.h"
+#include "core/bake/voxel_volume.h"
 #include "core/base/atomic_file.h"
 #include "core/ivg/irradiance_grid.h"
 #include "core/octree/light_octree.h"
 #include "core/params/param_text.h"
 #include "core/scene/gltf_writer.h"
+#include "core/voxel/voxel_field.h"
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -126,10 +128,12 @@ Result<Done> makeVolume(const ExportSource& source, const ExportRequest& request
     if (request.volume.empty()) return Done{};
     const auto* octree = dynamic_cast<const LightOctree*>(&source.field);
     const auto* grid = dynamic_cast<const IrradianceGrid*>(&source.field);
-    if (!octree && !grid) return Error{Error::Kind::unsupported, "the bake is neither an octree nor a grid"};
+    const auto* voxels = dynamic_cast<const VoxelField*>(&source.field);
     const Scene& scene = source.rays.scene();
-    Result<std::vector<std::uint8_t>> bytes =
-        octree ? octreeVolume(*octree, source.info, scene) : gridVolume(*grid, source.info, scene);
+    Result<std::vector<std::uint8_t>> bytes = Error{Error::Kind::unsupported, "the bake has no volume"};
+    if (octree) bytes = octreeVolume(*octree, source.info, scene);
+    if (grid) bytes = gridVolume(*grid, source.info, scene);
+    if (voxels) bytes = voxelVolume(*voxels, source.info, scene);
     if (!bytes) return bytes.error();
     made.volume = *std::move(bytes);
     return Done{};
@@ -180,12 +184,11 @@ Result<Done> checkExport(const ExportRequest& request, Method method)
     if (request.lightmap.empty() && request.gltf.empty() && request.volume.empty()) {
         return Error{Error::Kind::badInput, "say what to export: a lightmap, a glTF scene or a volume"};
     }
-    if (!request.volume.empty() && method != Method::lightOctree && method != Method::irradianceGrid) {
-        return Error{
-            Error::Kind::badInput,
-            fmt::format("a volume holds the leaves of a light-octree or the vertices of an irradiance-grid; {} "
-                        "has neither",
-                        methodName(method))};
+    if (!request.volume.empty() && method == Method::photonMap) {
+        return Error{Error::Kind::badInput,
+                     fmt::format("a volume holds the leaves of a light-octree, the vertices of an irradiance-grid or "
+                                 "the voxels of voxel-lightcuts; {} has none of them",
+                                 methodName(method))};
     }
     return Done{};
 }

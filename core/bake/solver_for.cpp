@@ -3,6 +3,7 @@
 #include "core/ivg/ivg_solver.h"
 #include "core/octree/octree_solver.h"
 #include "core/photonmap/photon_map_solver.h"
+#include "core/voxel/voxel_solver.h"
 
 namespace lightloom {
 
@@ -13,6 +14,8 @@ std::unique_ptr<Solver> solverFor(Method method)
         return std::make_unique<OctreeSolver>();
     case Method::irradianceGrid:
         return std::make_unique<IvgSolver>();
+    case Method::voxelLightcuts:
+        return std::make_unique<VoxelSolver>();
     case Method::photonMap:
         return std::make_unique<PhotonMapSolver>();
     case Method::direct:

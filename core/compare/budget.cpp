@@ -142,9 +142,11 @@ Result<BudgetPlan> planBudget(const BakeJob& job, Method method, const BudgetAsk
         return Error{Error::Kind::badInput,
                      fmt::format("{} bakes nothing that a budget could be for", methodName(method))};
     }
-    if (method == Method::irradianceGrid) {
+    if (method == Method::irradianceGrid || method == Method::voxelLightcuts) {
         return Error{Error::Kind::unsupported,
-                     "budgets for irradiance-grid cannot be planned yet; set photons and grid.size"};
+                     fmt::format("budgets for {} cannot be planned yet; set {}", methodName(method),
+                                 method == Method::irradianceGrid ? "photons and grid.size"
+                                                                  : "voxel.size and voxel.directions")};
     }
     return Planner(job, method, asked, store, products, control).plan();
 }

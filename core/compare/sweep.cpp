@@ -136,10 +136,10 @@ SweepPart sweepPart(std::string_view stage)
     for (const std::string_view name : {"rays", "lamps", "reach", "area"}) {
         if (word == name) return SweepPart::prepare;
     }
-    if (word == "shoot") return SweepPart::shoot;
+    if (word == "shoot" || word == "first") return SweepPart::shoot; // "first light"
     if (word == "tree") return SweepPart::tree;
-    if (word == "octree") return SweepPart::build;
-    if (word == "gather") return SweepPart::gather;
+    if (word == "octree" || word == "voxels" || word == "partners") return SweepPart::build;
+    if (word == "gather" || word == "bounces") return SweepPart::gather;
     return SweepPart::other;
 }
 

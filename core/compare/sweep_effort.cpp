@@ -9,8 +9,9 @@ namespace {
 constexpr double kSecondsPerPhoton = 0.7e-6, kSecondsPerGather = 4e-6, kSecondsPerGathered = 0.05e-6;
 constexpr double kEntriesPerCell =
     6.0; // leaves go by the surface: six faces of 4^depth, entries and furniture evened out
-constexpr double kSecondsPerDeposit = 1.0e-6, kSecondsPerVertex = 3e-6; // grids, by photon and by vertex
-constexpr double kOverhead = 0.02;                                      // looking up the probes
+constexpr double kSecondsPerDeposit = 1.0e-6, kSecondsPerVertex = 3e-6;     // grids, by photon and by vertex
+constexpr double kSecondsPerPartner = 25e-9, kSecondsPerShadowRay = 0.5e-6; // voxels, by entry and direction; ray
+constexpr double kOverhead = 0.02;                                          // looking up the probes
 
 } // namespace
 
@@ -18,6 +19,12 @@ double SweepEffort::units(const BakeParams& row, const BakeParams* before) const
 {
     const auto from = before ? firstDifference(*before, row, method_) : Stage::shoot;
     double perGroup = 0;
+    if (method_ == Method::voxelLightcuts) {
+        const double entries = kEntriesPerCell * row.voxelSize * row.voxelSize;
+        if (from && *from <= Stage::fit)
+            perGroup = entries * (kSecondsPerShadowRay * row.voxelSamples + kSecondsPerPartner * row.voxelDirections);
+        return 2.0 * groups_ * perGroup + kOverhead;
+    }
     if (from && *from == Stage::shoot) perGroup += kSecondsPerPhoton * row.photonCount;
     if (from && *from <= Stage::fit && method_ == Method::irradianceGrid) {
         const double side = row.gridSize > 0 ? row.gridSize : BakeParams{}.gridSize;

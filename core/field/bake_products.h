@@ -19,6 +19,7 @@ struct WorkCounters {
     std::uint64_t groupsBaked = 0, groupsOff = 0, groupsReused = 0;
     std::uint64_t leaves = 0, entries = 0, gathers = 0, clusterings = 0;
     std::uint64_t vertices = 0, deposits = 0; ///< of a grid: in the open; faces crossed or cells passed by photons
+    std::uint64_t voxels = 0, bounces = 0;    ///< of voxel radiosity; its entries count above
     std::uint64_t degenerateEntries = 0; ///< gathers whose kernel had no area; their photons were spread over a floor
     std::uint64_t photonsPerGroup = 0;   ///< of a grid, where it was chosen for the scene too
     double keptBytes = 0, mostBytes = 0; ///< of a grid, computed before the bake: of the field; at once meanwhile

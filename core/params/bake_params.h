@@ -9,7 +9,7 @@
 
 namespace lightloom {
 
-enum class Method { lightOctree, irradianceGrid, photonMap, direct, reference };
+enum class Method { lightOctree, irradianceGrid, voxelLightcuts, photonMap, direct, reference };
 
 /// Kernel of the octree's photon gather.
 enum class GatherKernel { sphere, ellipsoid };
@@ -62,6 +62,10 @@ struct BakeParams {
     int gridNestFine = 2;
     float gridNestLowX = 0.0f, gridNestLowY = 0.0f, gridNestLowZ = 0.0f;
     float gridNestHighX = 0.0f, gridNestHighY = 0.0f, gridNestHighZ = 0.0f;
+    int voxelSize = 64;
+    int voxelSamples = 4;
+    int voxelDirections = 512;
+    float voxelGain = 0.005f;
     int vdlCount = 4;
     float vdlTolerance = 0.0f;
     VdlForm vdlForm = VdlForm::corrected;
@@ -83,12 +87,15 @@ enum class Stage { shoot, build, fit, show };
 enum MethodBit : unsigned {
     kForOctree = 1u << static_cast<unsigned>(Method::lightOctree),
     kForGrid = 1u << static_cast<unsigned>(Method::irradianceGrid),
+    kForVoxels = 1u << static_cast<unsigned>(Method::voxelLightcuts),
     kForPhotonMap = 1u << static_cast<unsigned>(Method::photonMap),
     kForDirect = 1u << static_cast<unsigned>(Method::direct),
     kForReference = 1u << static_cast<unsigned>(Method::reference),
     kForGathers = kForOctree | kForPhotonMap,
     kForPhotons = kForGathers | kForGrid,
-    kForAll = kForPhotons | kForDirect | kForReference
+    kForLattices = kForOctree | kForGrid | kForVoxels,
+    kForBakes = kForPhotons | kForVoxels,
+    kForAll = kForBakes | kForDirect | kForReference
 };
 
 /// One parameter: the only description of it. Command line, panels, files and the manual loop over `kParams`.
@@ -134,7 +141,7 @@ inline constexpr std::array kParams{
               "The coarsest octree, shown while finer ones are made. Does not change the final result."},
     ParamSpec{"octree.detail", "Deeper leaves", "levels", 0, 3, 1, kForOctree, Stage::fit, &BakeParams::octreeDetail, {},
               "Most levels that leaves split below the octree depth where photons show light that they blur, such as caustics."},
-    ParamSpec{"grid.shift", "Lattice shift", "cells", 0, 0.999, 0.25, kForOctree | kForGrid, Stage::build, &BakeParams::gridShift, {},
+    ParamSpec{"grid.shift", "Lattice shift", "cells", 0, 0.999, 0.25, kForLattices, Stage::build, &BakeParams::gridShift, {},
               "Moves the lattice by part of a cell along all axes; accuracy is stated as the worst of 0 .25 .5 .75."},
     ParamSpec{"grid.size", "Grid size (N)", "cells", 0, 512, 8, kForGrid, Stage::build, &BakeParams::gridSize, {},
               "Cells along the longest side; cells are cubes. Finer: smaller shadows, more noise, memory by the cube. 0: by how far walls lie apart."},
@@ -174,6 +181,14 @@ inline constexpr std::array kParams{
               "Between vertices. trilinear: fast, keeps walls apart. b-spline: smoothest. catmull-rom: smooth and sharper, may ring."},
     ParamSpec{"grid.offset", "Lookup offset", "cells", 0, 2, 0.1, kForGrid, Stage::show, &BakeParams::gridOffset, {},
               "How far along its normal a surface looks into the grid: more avoids vertices near walls, less keeps contact shadows."},
+    ParamSpec{"voxel.size", "Voxels (N)", "voxels", 4, 1024, 16, kForVoxels, Stage::build, &BakeParams::voxelSize, {},
+              "Voxels along the longest side; they are cubes. Finer: smaller shadows. Time and memory grow with the square."},
+    ParamSpec{"voxel.samples", "Shadow rays per voxel", "", 1, 1024, 1, kForVoxels, Stage::fit, &BakeParams::voxelSamples, {},
+              "Points on each voxel's surface from which each lamp is looked for. More: less noise in the light that goes on from there."},
+    ParamSpec{"voxel.directions", "Directions", "", 1, 8192, 128, kForVoxels, Stage::fit, &BakeParams::voxelDirections, {},
+              "Along which light is carried at the first bounce, each both ways; later bounces take half as many each. Time grows in step."},
+    ParamSpec{"voxel.gain", "Least gain of a bounce", "fraction", 0.0001, 1, 0.001, kForVoxels, Stage::fit, &BakeParams::voxelGain, {},
+              "Light bounces on until one adds less than this share; what is still missing then is added as a series."},
     ParamSpec{"gather.count", "Photons gathered (K)", "", 1, 100'000, 50, kForGathers, Stage::fit, &BakeParams::gatherCount, {},
               "More photons: less noise, more blur, longer gather."},
     ParamSpec{"gather.radius", "Largest gather radius", "leaf widths", 0, 64, 0.5, kForGathers, Stage::fit, &BakeParams::gatherRadius, {},
@@ -204,7 +219,7 @@ inline constexpr std::array kParams{
               "exact: as baked. packed: as the window's textures hold them, lamps merged, halves and 8-bit directions."},
     ParamSpec{"direct.samples", "Shadow rays per lamp", "", 1, 1'000'000, 16, kForAll, Stage::show, &BakeParams::directSamples, {},
               "Shadow rays to each emitting surface for exact direct light; softer noise in penumbrae, linear time."},
-    ParamSpec{"probe.rays", "Gather rays in mid-air", "", 1, 1'000'000, 64, kForPhotons, Stage::show, &BakeParams::probeRays, {},
+    ParamSpec{"probe.rays", "Gather rays in mid-air", "", 1, 1'000'000, 64, kForBakes, Stage::show, &BakeParams::probeRays, {},
               "Rays of the gather at points where a method keeps no answer of its own, such as a work plane."},
     ParamSpec{"reference.samples", "Reference paths", "per point", 1, 1e9, 256, kForReference, Stage::shoot, &BakeParams::referenceSamples, {},
               "Most paths per probe. The standard error falls with the square root."},

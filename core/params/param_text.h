@@ -40,8 +40,8 @@ inline constexpr std::array<std::string_view, 3> kPresetNames{"draft", "preview"
 /// preset has for `to`; what was set by hand stays.
 [[nodiscard]] BakeParams paramsFor(const BakeParams& params, Method from, Method to);
 
-inline constexpr std::array<std::string_view, 5> kMethodNames{"light-octree", "irradiance-grid", "photon-map", "direct",
-                                                              "reference"};
+inline constexpr std::array<std::string_view, 6> kMethodNames{"light-octree", "irradiance-grid", "voxel-lightcuts",
+                                                              "photon-map",   "direct",          "reference"};
 [[nodiscard]] Result<Method> methodNamed(std::string_view name);
 [[nodiscard]] inline std::string_view methodName(Method method)
 {

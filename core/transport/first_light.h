@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "core/transport/voxel_bounces.h"
+#include <functional>
 
 namespace lightloom {
 
@@ -10,12 +11,15 @@ namespace lightloom {
 [[nodiscard]] std::vector<glm::vec3> entryAlbedos(const RayScene& rays, const LightReach& reach,
                                                   const SurfaceVoxels& voxels);
 
-/// Direct illuminance (lux) of each entry, red, green and blue of one light group after the other: shadow rays to every
-/// lamp from `samples` points that are spread over its surface (METHODS 5: better than photons, but for light that
-/// comes by mirrors or through glass, which this leaves out). Points and samples of entry e depend on (seed, e) alone:
-/// the same bits on any number of threads. Empty: stopped.
+/// Direct illuminance (lux) of each entry, red, green and blue of one of `groups` (light groups by number) after the
+/// other: shadow rays to their lamps from `samples` points that are spread over its surface (METHODS 5: better than
+/// photons, but for light that comes by mirrors or through glass, which this leaves out). Points of entry e depend on
+/// (seed, e) alone, shadow rays on these and the group: a group gets the same light whatever others are asked for, to
+/// the bit, on any number of threads. Empty: stopped.
 [[nodiscard]] EntryValues firstLight(const LightSampler& lights, const LightReach& reach, const SurfaceVoxels& voxels,
-                                     int samples, std::uint64_t seed, Workers& workers, const std::stop_token& stop);
+                                     std::span<const int> groups, int samples, std::uint64_t seed, Workers& workers,
+                                     const std::stop_token& stop,
+                                     const std::function<void(double fraction)>& progress = {});
 
 /// What entries send on of the light that falls on them: lux times albedo, lm/m2.
 [[nodiscard]] EntryValues reflected(EntryValues lux, std::span<const glm::vec3> albedo);

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/bake/bake_grids.h"
+#include "core/bake/leaf_grids.h"
+#include <fmt/format.h>
+
+namespace lightloom {
+namespace {
+
+std::string prefixOf(int depth) { return fmt::format("voxel-lightcuts/d{}/", depth); }
+constexpr const char *kDepth = "lightloom.depth", *kCells = "lightloom.voxels", *kAlbedo = "geometry/albedo";
+
+std::shared_ptr<const VoxelLayer> readLayer(const LeafReader& leaves, const std::string& group, int number)
+{
+    const std::size_t entries = leaves.geometry()->entries.size();
+    auto indirect = std::make_shared<VdlLayer>();
+    indirect->group = number;
+    indirect->scalar.resize(entries);
+    std::vector<glm::vec3> direct(entries);
+    leaves.vectors(group + "/direct", [&](std::size_t n, glm::vec3 v) { direct[n] = v; });
+    leaves.vectors(group + "/indirect", [&](std::size_t n, glm::vec3 v) { indirect->scalar[n] = v; });
+    return std::make_shared<const VoxelLayer>(VoxelLayer{std::move(direct), std::move(indirect)});
+}
+
+} // namespace
+
+void storeVoxels(const VoxelField& field, const Scene& scene, VdbFile& file)
+{
+    const VoxelSurface& surface = field.surface();
+    file.set(kDepth, std::int64_t(surface.leaves->depth));
+    file.set(kCells, std::int64_t(surface.cells));
+    storeRoot(*surface.leaves, file);
+    LeafWriter leaves(*surface.leaves, prefixOf(surface.leaves->depth), scene, file);
+    leaves.geometry();
+    leaves.values(kAlbedo, [&](std::uint32_t n) { return surface.albedo[n]; });
+    for (std::size_t g = 0; g < field.layers().size(); ++g) {
+        if (!field.layers()[g]) continue;
+        const VoxelLayer& layer = *field.layers()[g];
+        const std::string group = escaped(scene.groups[g].id);
+        leaves.values(group + "/direct", [&](std::uint32_t n) { return layer.direct[n]; });
+        leaves.values(group + "/indirect", [&](std::uint32_t n) { return layer.indirect->scalar[n]; });
+    }
+}
+
+std::shared_ptr<const VoxelField> readVoxels(const VdbFile& file, const Scene& scene, const std::vector<bool>& isOn)
+{
+    const int depth = static_cast<int>(file.integer(kDepth));
+    const LeafReader leaves(file, depth, prefixOf(depth));
+    auto surface = std::make_shared<VoxelSurface>();
+    surface->cells = static_cast<int>(file.integer(kCells));
+    surface->leaves = leaves.geometry();
+    surface->albedo.resize(surface->leaves->entries.size());
+    leaves.vectors(kAlbedo, [&](std::size_t n, glm::vec3 v) { surface->albedo[n] = v; });
+    std::vector<std::shared_ptr<const VoxelLayer>> layers;
+    for (std::size_t g = 0; g < isOn.size(); ++g) {
+        const std::string group = escaped(scene.groups[g].id);
+        layers.push_back(isOn[g] ? readLayer(leaves, group, static_cast<int>(g)) : nullptr);
+    }
+    return std::make_shared<const VoxelField>(std::move(surface), std::move(layers), Mix{});
+}
+
+} // namespace lightloom

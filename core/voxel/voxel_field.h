@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "core/octree/light_octree.h"
+
+namespace lightloom {
+
+/// Surface voxels as they are looked up and lit: leaves of an octree, with what their entries reflect.
+struct VoxelSurface {
+    int cells = 0;                                ///< along the longest side of the scene
+    std::shared_ptr<const OctreeGeometry> leaves; ///< voxels, each with one entry per orientation
+    std::vector<glm::vec3> albedo;                ///< of each entry, per channel, 0 to 1
+};
+
+/// Light of one group on the entries of a surface, at baked intensity, lux.
+struct VoxelLayer {
+    std::vector<glm::vec3> direct; ///< by entry: straight from the lamps
+    std::shared_ptr<const VdlLayer>
+        indirect; ///< `scalar` alone is filled: what arrives by way of at least one other surface
+};
+
+/// Multi-bounce light on surface voxels (Chatelier and Malgouyres 2006): one illuminance per orientation of the surface
+/// in a voxel, interpolated as a light octree without directions interpolates its leaves.
+class VoxelField final : public IndirectField {
+public:
+    /// `layers` by light group; null where a lamp is off.
+    VoxelField(std::shared_ptr<const VoxelSurface> surface, std::vector<std::shared_ptr<const VoxelLayer>> layers,
+               Mix mix);
+
+    [[nodiscard]] bool lookup(glm::vec3 p, glm::vec3 n, glm::vec3& lux) const override
+    {
+        return octree_->lookup(p, n, lux);
+    }
+    [[nodiscard]] std::shared_ptr<const IndirectField> withMix(Mix mix) const override;
+    [[nodiscard]] std::string_view method() const override { return "voxel-lightcuts"; }
+    [[nodiscard]] std::size_t memoryBytes() const override;
+
+    [[nodiscard]] const VoxelSurface& surface() const { return *surface_; }
+    [[nodiscard]] const std::vector<std::shared_ptr<const VoxelLayer>>& layers() const { return layers_; }
+    [[nodiscard]] const Mix& mix() const { return octree_->mix(); }
+    /// Illuminance of an entry under the mix, lux: straight from the lamps, and all.
+    [[nodiscard]] glm::vec3 direct(std::size_t entry) const;
+    [[nodiscard]] glm::vec3 illuminance(std::size_t entry) const;
+    /// What an entry sends on of all the light that falls on it, lm/m2: as a light it stands for all but direct light.
+    [[nodiscard]] glm::vec3 exitance(std::size_t entry) const { return surface_->albedo[entry] * illuminance(entry); }
+    /// The same values as a colour octree, for whoever draws one.
+    [[nodiscard]] const LightOctree& octree() const { return *octree_; }
+    [[nodiscard]] const std::shared_ptr<const LightOctree>& octreeShared() const { return octree_; }
+
+private:
+    std::shared_ptr<const VoxelSurface> surface_;
+    std::vector<std::shared_ptr<const VoxelLayer>> layers_;
+    std::shared_ptr<const LightOctree> octree_;
+};
+
+} // namespace lightloom

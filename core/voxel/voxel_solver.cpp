@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/voxel/voxel_solver.h"
+#include "core/base/memory_use.h"
+#include "core/params/param_text.h"
+#include "core/photonmap/photon_products.h"
+#include "core/trace/cell_clip.h"
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace lightloom {
+namespace {
+
+constexpr double kVoxelShare = 0.1, kFirstShare = 0.4; ///< of a bake's time
+
+using Layers = std::vector<std::shared_ptr<const VoxelLayer>>;
+
+/// Error out of memory where `bytes` are more than nine tenths of what this machine has.
+Result<Done> checkMemory(double bytes, const BakeParams& params)
+{
+    const double have = 0.9 * machineMemoryBytes();
+    if (bytes <= have) return Done{};
+    return Error{Error::Kind::outOfMemory,
+                 fmt::format("voxel.size={} needs about {:.1f} GiB in this scene, this machine has {:.1f}; lower it",
+                             params.voxelSize, bytes / (1 << 30), have / (1 << 30))};
+}
+
+/// Bytes of voxels before they are made, from the area they cover: a wall fills one to two voxels per square of their
+/// size.
+double voxelBytes(const Bounds& bounds, const LightReach& reach, int cells)
+{
+    const double size = static_cast<double>(bounds.longestSide()) / cells;
+    const double voxels = 2.0 * reach.area() / std::max(size * size, 1e-300);
+    return voxels * static_cast<double>(2 * sizeof(CellPiece) + 2 * sizeof(Orientation) + 3 * sizeof(VoxelPlace));
+}
+
+class VoxelBake {
+public:
+    VoxelBake(const BakeJob& job, const BakeParams& params, const SceneProducts& scene, BakeProducts& products,
+              BakeControl& control, double before, double share)
+        : job_(job), params_(params), scene_(scene), products_(products), control_(control), before_(before),
+          share_(share)
+    {
+    }
+
+    [[nodiscard]] Result<std::shared_ptr<const VoxelField>> field()
+    {
+        const Result<std::shared_ptr<const VoxelGeometry>> geometry = this->geometry();
+        if (!geometry) return geometry.error();
+        tell(Stage::build, kVoxelShare);
+        Layers layers(job_.scene->groups.size());
+        const std::vector<int> missing = findKept(layers);
+        if (const Result<Done> lit = light(**geometry, missing, layers); !lit) return lit.error();
+        products_.counters.voxels = (*geometry)->voxels->voxels.size();
+        products_.counters.entries = (*geometry)->voxels->entries.size();
+        return std::make_shared<const VoxelField>((*geometry)->surface, std::move(layers), job_.mix);
+    }
+
+private:
+    void tell(Stage stage, double fraction)
+    {
+        control_.waitWhilePaused();
+        control_.progress(stage, before_ + share_ * fraction);
+    }
+
+    [[nodiscard]] Result<std::shared_ptr<const VoxelGeometry>> geometry()
+    {
+        const std::string key =
+            fmt::format("{}voxels {} shift {}", scene_.reachKey, params_.voxelSize, params_.gridShift);
+        if (auto kept = products_.find<VoxelGeometry>(key)) return kept;
+        const LightReach& reach = *scene_.reach;
+        const Bounds& bounds = job_.scene->bounds;
+        if (const Result<Done> fits = checkMemory(voxelBytes(bounds, reach, params_.voxelSize), params_); !fits)
+            return fits.error();
+        const StageClock clock("voxels", control_);
+        const auto voxels =
+            voxelise(bounds, reach, params_.voxelSize, params_.gridShift, control_.workers(), control_.stop());
+        if (!voxels) return cancelled();
+        auto surface = voxelSurface(*voxels, entryAlbedos(*scene_.rays, reach, *voxels));
+        auto made =
+            std::make_shared<const VoxelGeometry>(VoxelGeometry{voxels, VoxelOrders(*voxels), std::move(surface)});
+        products_.keep<VoxelGeometry>(key, made, clock.stop());
+        return made;
+    }
+
+    [[nodiscard]] std::string layerKey(int group) const
+    {
+        return scene_.layerKey(static_cast<std::size_t>(group)) + stageKey(params_, Stage::fit, Method::voxelLightcuts);
+    }
+
+    /// Light groups that have no layer from earlier bakes.
+    [[nodiscard]] std::vector<int> findKept(Layers& layers)
+    {
+        WorkCounters& counters = products_.counters;
+        std::vector<int> missing;
+        for (int g = 0; g < static_cast<int>(layers.size()); ++g) {
+            if (isOff(job_.mix, g)) {
+                ++counters.groupsOff;
+                continue;
+            }
+            ++counters.groupsBaked;
+            auto& layer = layers[static_cast<std::size_t>(g)];
+            layer = products_.find<VoxelLayer>(layerKey(g));
+            if (layer)
+                ++counters.groupsReused;
+            else
+                missing.push_back(g);
+        }
+        return missing;
+    }
+
+    [[nodiscard]] Result<Done> light(const VoxelGeometry& geometry, const std::vector<int>& missing, Layers& layers)
+    {
+        if (missing.empty()) return Done{};
+        const SurfaceVoxels& voxels = *geometry.voxels;
+        const std::vector<glm::vec3>& albedo = geometry.surface->albedo;
+        const double channels = 3.0 * static_cast<double>(missing.size());
+        const double bytes = static_cast<double>(voxels.entries.size()) * channels * 5.0 * sizeof(float);
+        if (const Result<Done> fits = checkMemory(bytes, params_); !fits) return fits;
+
+        const StageClock firstClock("first light", control_);
+        const EntryValues first = firstLight(*scene_.lights, *scene_.reach, voxels, missing, params_.voxelSamples,
+                                             params_.seed, control_.workers(), control_.stop(),
+                                             [&](double part) { tell(Stage::fit, kVoxelShare + kFirstShare * part); });
+        if (first.values.empty() && !voxels.entries.empty()) return cancelled();
+        addCost(products_.counters.stages, firstClock.stop());
+        const StageClock clock("bounces", control_);
+        int bounces = 0;
+        const EntryValues all =
+            bounceLight(*scene_.rays, voxels, geometry.orders, reflected(first, albedo), albedo,
+                        {params_.voxelDirections, params_.voxelGain}, control_.workers(), control_.stop(), &bounces);
+        if (all.values.empty() && !voxels.entries.empty()) return cancelled();
+        products_.counters.bounces += static_cast<std::uint64_t>(bounces);
+        const StageCost cost = clock.stop();
+        for (std::size_t i = 0; i < missing.size(); ++i) {
+            const auto layer = layerOf(first, all, i, missing[i]);
+            layers[static_cast<std::size_t>(missing[i])] = layer;
+            products_.keep<VoxelLayer>(layerKey(missing[i]), layer);
+        }
+        addCost(products_.counters.stages, cost);
+        return Done{};
+    }
+
+    /// Values of light group number `i` of those that were carried together.
+    [[nodiscard]] static std::shared_ptr<const VoxelLayer> layerOf(const EntryValues& first, const EntryValues& all,
+                                                                   std::size_t i, int group)
+    {
+        const auto taken = [i](const EntryValues& from) {
+            std::vector<glm::vec3> values(from.entries());
+            for (std::size_t e = 0; e < values.size(); ++e) {
+                const float* v = &from.values[e * static_cast<std::size_t>(from.channels) + 3 * i];
+                values[e] = {v[0], v[1], v[2]};
+            }
+            return values;
+        };
+        auto indirect = std::make_shared<VdlLayer>();
+        indirect->group = group;
+        indirect->scalar = taken(all);
+        return std::make_shared<const VoxelLayer>(VoxelLayer{taken(first), std::move(indirect)});
+    }
+
+    const BakeJob& job_;
+    const BakeParams& params_;
+    const SceneProducts& scene_;
+    BakeProducts& products_;
+    BakeControl& control_;
+    double before_, share_; ///< of the whole bake's progress
+};
+
+} // namespace
+
+BakeParams roughVoxelParams(BakeParams params)
+{
+    params.voxelSize = std::min(params.voxelSize, 24);
+    params.voxelSamples = std::min(params.voxelSamples, 2);
+    params.voxelDirections = std::min(params.voxelDirections, 128);
+    return params;
+}
+
+std::shared_ptr<const VoxelSurface> voxelSurface(const SurfaceVoxels& voxels, std::vector<glm::vec3> albedo)
+{
+    auto leaves = std::make_shared<OctreeGeometry>();
+    leaves->depth = voxels.lattice.depth;
+    leaves->lowest = voxels.lattice.lowest;
+    leaves->rootSize = voxels.lattice.rootSize;
+    for (const glm::ivec3 voxel : voxels.voxels) leaves->cells.push_back(mortonCode(glm::uvec3(voxel)));
+    leaves->firstEntry = voxels.firstEntry;
+    for (const Orientation& o : voxels.entries) leaves->entries.push_back({o.centroid, o.normal, o.area});
+    return std::make_shared<const VoxelSurface>(VoxelSurface{voxels.cells, std::move(leaves), std::move(albedo)});
+}
+
+Result<Done> VoxelSolver::bake(const BakeJob& job, BakeProducts& products, BakeControl& control)
+{
+    if (const Result<Done> checked = checkTogether(job.params); !checked) return checked;
+    control.progress(Stage::build, 0.0);
+    const BakeParams rough = roughVoxelParams(job.params);
+    const bool isRoughFirst = job.roughFirst && rough.voxelSize < job.params.voxelSize;
+    constexpr double kRoughShare = 0.05;
+    if (isRoughFirst) {
+        const Result<SceneProducts> scene = sceneProducts(job, products, control, ReachWanted::quick);
+        if (!scene) return scene.error();
+        const auto field = VoxelBake(job, rough, *scene, products, control, 0.0, kRoughShare).field();
+        if (!field) return field.error();
+        control.publish(*field, rough.voxelSize, false, true);
+        WorkCounters work; // what was lit for it is not part of the result
+        work.stages = products.counters.stages;
+        products.counters = work;
+    }
+    const Result<SceneProducts> scene = sceneProducts(job, products, control);
+    if (!scene) return scene.error();
+    const double before = isRoughFirst ? kRoughShare : 0.0;
+    const auto field = VoxelBake(job, job.params, *scene, products, control, before, 1.0 - before).field();
+    if (!field) return field.error();
+    control.progress(Stage::fit, 1.0);
+    control.publish(*field, job.params.voxelSize, true);
+    return Done{};
+}
+
+} // namespace lightloom

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+// Claims: voxel bakes are the same bits on any number of threads and come back from files; lamps are linear and kept: a
+// lamp that was moved is lit anew alone, with the light it would get if all were; a rough picture comes first and
+// changes nothing; a stopped bake says so; volumes hold what voxels do; extremes stay finite.
+#include "bake_helpers.h"
+#include "core/bake/bake_file.h"
+#include "core/bake/gpu_layout.h"
+#include "core/bake/vdb_file.h"
+#include "core/bake/voxel_volume.h"
+#include "core/base/units.h"
+#include "core/scene/sample_scenes.h"
+#include "core/scene/scene_builder.h"
+#include "core/voxel/voxel_solver.h"
+#include "light_helpers.h"
+
+using namespace lightloom;
+using namespace lightloom::test;
+
+namespace {
+
+BakeParams voxelParams(int cells, int directions)
+{
+    BakeParams p;
+    p.voxelSize = cells;
+    p.voxelDirections = directions;
+    p.voxelSamples = 2;
+    return p;
+}
+
+Baked bakeVoxels(const std::shared_ptr<const Scene>& scene, const BakeParams& p, int threads = 2, Mix mix = {})
+{
+    VoxelSolver solver;
+    BakeProducts products;
+    return runSolver(solver, {scene, p, std::move(mix)}, products, threads);
+}
+
+const VoxelField& voxelsOf(const Baked& baked) { return dynamic_cast<const VoxelField&>(*baked.field); }
+
+BakeInfo infoOf(const Scene& scene, const BakeParams& params)
+{
+    BakeInfo info;
+    info.method = Method::voxelLightcuts;
+    info.params = params;
+    info.sceneHash = sceneHash(scene);
+    for (const LightGroup& group : scene.groups) info.groups.push_back(group.id);
+    return info;
+}
+
+bool isSame(const VoxelLayer& a, const VoxelLayer& b)
+{
+    return a.direct == b.direct && a.indirect->scalar == b.indirect->scalar;
+}
+
+} // namespace
+
+class VoxelFieldTest : public QObject {
+    Q_OBJECT
+private Q_SLOTS:
+    void filesGiveBackEveryBitOnAnyThreads()
+    {
+        const auto scene = share(*sampleScene("two_rooms"));
+        const BakeParams p = voxelParams(20, 64);
+        const Baked baked = bakeVoxels(scene, p, 1);
+        QVERIFY2(baked.error.empty(), baked.error.c_str());
+        const BakeInfo info = infoOf(*scene, p);
+        const auto bytes = bakeBytes(*baked.field, info, *scene);
+        QVERIFY2(static_cast<bool>(bytes), bytes ? "" : bytes.error().message.c_str());
+        const auto again = bakeBytes(*bakeVoxels(scene, p, 5).field, info, *scene);
+        QVERIFY(again && *again == *bytes);
+        const Result<BakeFile> file = bakeFromBytes(*bytes, *scene);
+        QVERIFY2(static_cast<bool>(file) && file->voxels, file ? "" : file.error().message.c_str());
+        QCOMPARE(file->voxels->surface().cells, 20);
+        QVERIFY(file->voxels->surface().albedo == voxelsOf(baked).surface().albedo);
+        for (std::size_t g = 0; g < 2; ++g) QVERIFY(isSame(*file->voxels->layers()[g], *voxelsOf(baked).layers()[g]));
+        for (const FacePoint& point : facePoints(*scene, 500, 2)) {
+            glm::vec3 x, y;
+            QCOMPARE(file->voxels->lookup(point.position, point.normal, x),
+                     baked.field->lookup(point.position, point.normal, y));
+            QVERIFY(x == y);
+        }
+    }
+
+    void lampsAddUp()
+    {
+        const auto scene = share(*sampleScene("two_rooms"));
+        const Baked both = bakeVoxels(scene, voxelParams(16, 64));
+        const Baked one = bakeVoxels(scene, voxelParams(16, 64), 2, {glm::vec3(1.0f), glm::vec3(0.0f)});
+        QCOMPARE(one.counters.groupsOff, std::uint64_t{1});
+        QVERIFY(!voxelsOf(one).layers()[1] && isSame(*voxelsOf(one).layers()[0], *voxelsOf(both).layers()[0]));
+        const Baked other = bakeVoxels(scene, voxelParams(16, 64), 2, {glm::vec3(0.0f), glm::vec3(1.0f)});
+        const auto tinted = both.field->withMix({glm::vec3(2.0f, 0.0f, 1.0f), glm::vec3(0.0f, 0.5f, 1.0f)});
+        int asked = 0;
+        for (const FacePoint& point : facePoints(*scene, 300, 1)) {
+            glm::vec3 a, b, c;
+            if (!one.field->lookup(point.position, point.normal, a)) continue;
+            QVERIFY(other.field->lookup(point.position, point.normal, b));
+            QVERIFY(tinted->lookup(point.position, point.normal, c));
+            ++asked;
+            const glm::vec3 wanted(2.0f * a.x, 0.5f * b.y, a.z + b.z);
+            QVERIFY(glm::all(glm::lessThanEqual(glm::abs(wanted - c), glm::vec3(1e-5f * maxChannel(a + b)))));
+        }
+        QVERIFY(asked > 250);
+        const VoxelField& mixed = dynamic_cast<const VoxelField&>(*tinted);
+        const VoxelLayer &first = *mixed.layers()[0], &second = *mixed.layers()[1];
+        for (std::size_t e = 0; e < first.direct.size(); e += 17) {
+            const glm::vec3 lux = glm::vec3(2.0f, 0.0f, 1.0f) * (first.direct[e] + first.indirect->scalar[e]) +
+                                  glm::vec3(0.0f, 0.5f, 1.0f) * (second.direct[e] + second.indirect->scalar[e]);
+            const glm::vec3 sent = mixed.surface().albedo[e] * lux;
+            QVERIFY(glm::length(mixed.exitance(e) - sent) <= 1e-5f * glm::length(sent));
+        }
+    }
+
+    void aMovedLampIsLitAloneAndAsIfAllWere()
+    {
+        Scene moved = *sampleScene("two_rooms");
+        const auto before = share(moved);
+        std::size_t lamp = 0;
+        while (lamp < moved.lights.size() && moved.lights[lamp].group != 1) ++lamp;
+        QVERIFY(lamp < moved.lights.size());
+        moved.lights[lamp].position.x += 0.3f;
+        const auto after = share(std::move(moved));
+        const BakeParams p = voxelParams(16, 64);
+        VoxelSolver solver;
+        BakeProducts products;
+        const Baked first = runSolver(solver, {before, p, {}}, products);
+        const Baked second = runSolver(solver, {after, p, {}}, products);
+        QCOMPARE(second.counters.groupsReused, std::uint64_t{1});
+        QVERIFY(voxelsOf(second).layers()[0] == voxelsOf(first).layers()[0]);
+        QVERIFY(!isSame(*voxelsOf(second).layers()[1], *voxelsOf(first).layers()[1]));
+        const Baked whole = bakeVoxels(after, p);
+        for (std::size_t g = 0; g < 2; ++g)
+            QVERIFY(isSame(*voxelsOf(second).layers()[g], *voxelsOf(whole).layers()[g]));
+        for (const StageCost& stage : second.counters.stages)
+            QVERIFY2(stage.stage != "voxels" || stage.isKept, "voxels were made anew");
+    }
+
+    void aRoughPictureComesFirst()
+    {
+        const auto scene = share(*sampleScene("cornell"));
+        const BakeParams p = voxelParams(32, 128);
+        BakeJob job{scene, p, {}};
+        job.roughFirst = true;
+        VoxelSolver solver;
+        BakeProducts products;
+        const Baked shown = runSolver(solver, job, products);
+        QCOMPARE(shown.snapshots.size(), std::size_t{2});
+        QVERIFY(shown.snapshots[0].isRough && !shown.snapshots[0].isFinal && shown.snapshots[0].level == 24);
+        QVERIFY(!shown.snapshots[1].isRough && shown.snapshots[1].isFinal && shown.snapshots[1].level == 32);
+        const Baked alone = bakeVoxels(scene, p);
+        QVERIFY(isSame(*voxelsOf(shown).layers()[0], *voxelsOf(alone).layers()[0]));
+        QCOMPARE(shown.counters.entries, alone.counters.entries);
+        QVERIFY(alone.counters.bounces > 3 && shown.counters.bounces == alone.counters.bounces);
+    }
+
+    void aStoppedBakeSaysSo()
+    {
+        const auto scene = share(*sampleScene("cornell"));
+        Workers workers(2);
+        std::stop_source source;
+        int published = 0;
+        BakeControl control(workers,
+                            {[&](const Snapshot&) { ++published; },
+                             [&](const Progress& p) {
+                                 if (p.fraction > 0.2) source.request_stop();
+                             }},
+                            source.get_token());
+        BakeProducts products;
+        products.beginRound();
+        const Result<Done> done = VoxelSolver().bake({scene, voxelParams(48, 256), {}}, products, control);
+        QVERIFY(!done && done.error().kind == Error::Kind::cancelled);
+        QCOMPARE(published, 0);
+    }
+
+    void volumesHoldWhatVoxelsDo()
+    {
+        const auto scene = share(*sampleScene("cornell"));
+        const BakeParams p = voxelParams(16, 64);
+        const Baked baked = bakeVoxels(scene, p);
+        const VoxelField& field = voxelsOf(baked);
+        const auto bytes = voxelVolume(field, infoOf(*scene, p), *scene);
+        QVERIFY2(static_cast<bool>(bytes), bytes ? "" : bytes.error().message.c_str());
+        const VdbFile file(std::string(bytes->begin(), bytes->end()));
+        QVERIFY(file.text("lightloom.method") == "voxel-lightcuts" && file.text("lightloom.unit") == "lux");
+        const std::vector<glm::ivec3> cells = file.cells("irradiance");
+        QCOMPARE(cells.size(), field.surface().leaves->cells.size());
+        const auto areas = file.numbers("area", cells);
+        const auto sent = file.vectors("radiosity", cells);
+        glm::dvec3 lumen(0.0), wanted(0.0);
+        for (std::size_t i = 0; i < cells.size(); ++i) lumen += double(areas[i]) * glm::dvec3(sent[i]);
+        for (std::size_t e = 0; e < field.surface().leaves->entries.size(); ++e)
+            wanted += double(field.surface().leaves->entries[e].area) * glm::dvec3(field.exitance(e));
+        QVERIFY(wanted.x > 0.0 && glm::length(lumen - wanted) <= 1e-5 * glm::length(wanted));
+    }
+
+    void extremesStayFinite()
+    {
+        const auto cornell = share(*sampleScene("cornell"));
+        for (const int cells : {4, 5, 33}) {
+            const Baked baked = bakeVoxels(cornell, voxelParams(cells, 1));
+            QVERIFY2(baked.error.empty(), baked.error.c_str());
+            QVERIFY(makeGpuOctree(voxelsOf(baked).octree()));
+            for (const FacePoint& point : facePoints(*cornell, 200, 1)) {
+                const glm::vec3 lux = baked.field->irradiance(point.position, point.normal);
+                QVERIFY(isFinite(lux) && glm::all(glm::greaterThanEqual(lux, glm::vec3(0.0f))));
+            }
+        }
+        SceneBuilder dark("dark"); // no lamp at all; flat
+        dark.add("Sheet", quadMesh({0, 0, 0}, {0, 0, 1}, {2, 0, 0}), dark.addMaterial("grey", glm::vec3(0.5f)));
+        const Baked none = bakeVoxels(share(dark.finish()), voxelParams(8, 16));
+        QVERIFY2(none.error.empty(), none.error.c_str());
+        QVERIFY(none.field->irradiance({0.5f, 0.0f, 0.5f}, {0, 1, 0}) == glm::vec3(0.0f));
+        glm::vec3 lux;
+        QVERIFY(!none.field->lookup({100.0f, 0.0f, 0.0f}, {0, 1, 0}, lux));
+    }
+};
+
+QTEST_APPLESS_MAIN(VoxelFieldTest)
+#include "tst_voxel_field.moc"
