@@ -437,7 +437,8 @@ private Q_SLOTS:
         QVERIFY(refused(request, "should end in .glb"));
         request = {};
         request.volume = "A.VDB";
-        QVERIFY(checkExport(request, Method::lightOctree) && checkExport(request, Method::irradianceGrid));
+        for (const Method method : {Method::lightOctree, Method::irradianceGrid, Method::voxelLightcuts})
+            QVERIFY(checkExport(request, method));
         QVERIFY(refused(request, "photon-map", Method::photonMap));
     }
 

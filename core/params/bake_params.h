@@ -66,6 +66,7 @@ struct BakeParams {
     int voxelSamples = 4;
     int voxelDirections = 512;
     float voxelGain = 0.005f;
+    int voxelPartnerMemory = 512;
     int vdlCount = 4;
     float vdlTolerance = 0.0f;
     VdlForm vdlForm = VdlForm::corrected;
@@ -189,6 +190,8 @@ inline constexpr std::array kParams{
               "Along which light is carried at the first bounce, each both ways; later bounces take half as many each. Time grows in step."},
     ParamSpec{"voxel.gain", "Least gain of a bounce", "fraction", 0.0001, 1, 0.001, kForVoxels, Stage::fit, &BakeParams::voxelGain, {},
               "Light bounces on until one adds less than this share; what is still missing then is added as a series."},
+    ParamSpec{"voxel.partners", "Partners kept", "MiB", 0, 1'000'000, 128, kForVoxels, Stage::show, &BakeParams::voxelPartnerMemory, {},
+              "Memory for who sees whom, so that bounces and edits of lamps walk no line again. Does not change results."},
     ParamSpec{"gather.count", "Photons gathered (K)", "", 1, 100'000, 50, kForGathers, Stage::fit, &BakeParams::gatherCount, {},
               "More photons: less noise, more blur, longer gather."},
     ParamSpec{"gather.radius", "Largest gather radius", "leaf widths", 0, 64, 0.5, kForGathers, Stage::fit, &BakeParams::gatherRadius, {},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/transport/partner_table.h"
 #include <algorithm>
+#include <atomic>
 #include <cassert>
 
 namespace lightloom {
@@ -80,7 +81,8 @@ std::size_t PartnerTable::bytesFor(std::size_t entries, int directions)
 
 std::shared_ptr<const PartnerTable> PartnerTable::make(const RayScene& rays, const SurfaceVoxels& voxels,
                                                        const VoxelOrders& orders, int directions, std::size_t mostBytes,
-                                                       Workers& workers, const std::stop_token& stop)
+                                                       Workers& workers, const std::stop_token& stop,
+                                                       const std::function<void(double)>& progress)
 {
     assert(directions >= 1 && directions <= kMostDirections);
     const std::size_t entries = voxels.entries.size();
@@ -90,8 +92,11 @@ std::shared_ptr<const PartnerTable> PartnerTable::make(const RayScene& rays, con
     const std::vector<LineDirection> set = directions > 0 ? directionSet(directions) : std::vector<LineDirection>{};
     BlockWalker walker(rays, voxels, orders, set);
     for (std::size_t b = 0; b < blocksFor(directions); ++b) table->blocks_.emplace_back(entries);
-    const bool all =
-        workers.run(table->blocks_.size(), stop, [&](std::size_t b) { table->blocks_[b] = walker.walk(b); });
+    std::atomic<std::size_t> done = 0;
+    const bool all = workers.run(table->blocks_.size(), stop, [&](std::size_t b) {
+        table->blocks_[b] = walker.walk(b);
+        if (progress) progress(static_cast<double>(++done) / static_cast<double>(table->blocks_.size()));
+    });
     return all && !stop.stop_requested() ? table : nullptr;
 }
 

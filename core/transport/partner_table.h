@@ -2,6 +2,7 @@
 #pragma once
 #include "core/base/parallel.h"
 #include "core/transport/exact_partners.h"
+#include <functional>
 #include <memory>
 #include <mutex>
 
@@ -62,11 +63,13 @@ public:
     /// Memory that so many directions take, bytes.
     [[nodiscard]] static std::size_t bytesFor(std::size_t entries, int directions);
     /// Of as many of the directions as fit into `mostBytes`, in blocks: `bounceLight` walks along the others. Parallel
-    /// over directions, the same on any number of threads, O(directions x entries). Null: stopped.
+    /// over directions, the same on any number of threads, O(directions x entries). `progress` is told the share that
+    /// is done, from any thread. Null: stopped.
     [[nodiscard]] static std::shared_ptr<const PartnerTable> make(const RayScene& rays, const SurfaceVoxels& voxels,
                                                                   const VoxelOrders& orders, int directions,
                                                                   std::size_t mostBytes, Workers& workers,
-                                                                  const std::stop_token& stop);
+                                                                  const std::stop_token& stop,
+                                                                  const std::function<void(double)>& progress = {});
 
     [[nodiscard]] int directions() const { return directions_; }
     [[nodiscard]] std::size_t entries() const { return entries_; }

@@ -3,6 +3,7 @@
 #include "core/transport/light_strip.h"
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 
 namespace lightloom {
 namespace {
@@ -28,8 +29,9 @@ public:
         return std::max<std::size_t>(1, kMostBytes / LightStrip::bytesFor(voxels_.entries.size()));
     }
 
-    /// All bounces of the strips; how many there were. 0: stopped.
-    [[nodiscard]] int bounce(std::span<LightStrip> strips)
+    /// All bounces of the strips; how many there were. 0: stopped. `done` is told the share after each.
+    template<class Done>
+    [[nodiscard]] int bounce(std::span<LightStrip> strips, Done done)
     {
         std::size_t directions = directions_.size();
         for (int bounce = 1;; ++bounce) {
@@ -39,6 +41,7 @@ public:
             for (LightStrip& strip : strips)
                 areDone &= strip.endBounce(params_.leastGain, bounce >= params_.mostBounces);
             if (areDone) return bounce;
+            done(1.0 - std::ldexp(1.0, -bounce)); // each costs half of the one before
             directions = std::min(directions, std::max(kLeastDirections, directions / 2));
         }
     }
@@ -104,7 +107,8 @@ private:
 
 EntryValues bounceLight(const RayScene& rays, const SurfaceVoxels& voxels, const VoxelOrders& orders,
                         const EntryValues& radiosity, std::span<const glm::vec3> albedo, const BounceParams& params,
-                        Workers& workers, const std::stop_token& stop, int* bounces, const PartnerTable* stored)
+                        Workers& workers, const std::stop_token& stop, int* bounces, const PartnerTable* stored,
+                        const std::function<void(double)>& progress)
 {
     assert(radiosity.entries() == voxels.entries.size() && albedo.size() == voxels.entries.size());
     Bouncer bouncer(rays, voxels, orders, params, stored, workers, stop);
@@ -113,9 +117,13 @@ EntryValues bounceLight(const RayScene& rays, const SurfaceVoxels& voxels, const
     int most = 0;
     for (std::size_t first = 0; first < channels;) {
         std::vector<LightStrip> strips;
+        const auto begun = static_cast<double>(first);
         for (; first < channels && strips.size() < bouncer.together(); first += LightStrip::kMostChannels)
             strips.emplace_back(voxels.entries, albedo, radiosity, first);
-        const int taken = bouncer.bounce(strips);
+        const auto ended = static_cast<double>(std::min(first, channels));
+        const int taken = bouncer.bounce(strips, [&](double part) {
+            if (progress) progress((begun + part * (ended - begun)) / static_cast<double>(channels));
+        });
         if (taken == 0) return {};
         most = std::max(most, taken);
         for (const LightStrip& strip : strips) strip.writeTo(lux);

@@ -21,9 +21,11 @@ struct BounceParams {
 /// lines are walked anew each bounce, by several light groups together. `rays` of the same scene look where lines lose
 /// their way (ExactPartners). The same bits with and without `stored`, and on any number of threads; each light group's
 /// are those that it has alone. Empty: stopped. `bounces`, where given: the most that a light group took.
+/// `progress` is told the share that is done, as far as that can be known, on the calling thread.
 [[nodiscard]] EntryValues bounceLight(const RayScene& rays, const SurfaceVoxels& voxels, const VoxelOrders& orders,
                                       const EntryValues& radiosity, std::span<const glm::vec3> albedo,
                                       const BounceParams& params, Workers& workers, const std::stop_token& stop,
-                                      int* bounces = nullptr, const PartnerTable* stored = nullptr);
+                                      int* bounces = nullptr, const PartnerTable* stored = nullptr,
+                                      const std::function<void(double)>& progress = {});
 
 } // namespace lightloom

@@ -10,7 +10,8 @@
 namespace lightloom {
 namespace {
 
-constexpr double kVoxelShare = 0.1, kFirstShare = 0.4; ///< of a bake's time
+// of a bake's time, up to the end of each
+constexpr double kVoxelsUntil = 0.1, kPartnersUntil = 0.5, kFirstUntil = 0.8;
 
 using Layers = std::vector<std::shared_ptr<const VoxelLayer>>;
 
@@ -46,7 +47,7 @@ public:
     {
         const Result<std::shared_ptr<const VoxelGeometry>> geometry = this->geometry();
         if (!geometry) return geometry.error();
-        tell(Stage::build, kVoxelShare);
+        tell(Stage::build, kVoxelsUntil);
         Layers layers(job_.scene->groups.size());
         const std::vector<int> missing = findKept(layers);
         if (const Result<Done> lit = light(**geometry, missing, layers); !lit) return lit.error();
@@ -62,10 +63,19 @@ private:
         control_.progress(stage, before_ + share_ * fraction);
     }
 
+    /// Tells progress of a stage that takes the bake from one share to another.
+    [[nodiscard]] std::function<void(double)> within(Stage stage, double from, double to)
+    {
+        return [this, stage, from, to](double part) { tell(stage, from + part * (to - from)); };
+    }
+
+    [[nodiscard]] std::string geometryKey() const
+    {
+        return fmt::format("{}voxels {} shift {} ", scene_.reachKey, params_.voxelSize, params_.gridShift);
+    }
     [[nodiscard]] Result<std::shared_ptr<const VoxelGeometry>> geometry()
     {
-        const std::string key =
-            fmt::format("{}voxels {} shift {}", scene_.reachKey, params_.voxelSize, params_.gridShift);
+        const std::string key = geometryKey();
         if (auto kept = products_.find<VoxelGeometry>(key)) return kept;
         const LightReach& reach = *scene_.reach;
         const Bounds& bounds = job_.scene->bounds;
@@ -79,6 +89,21 @@ private:
         auto made =
             std::make_shared<const VoxelGeometry>(VoxelGeometry{voxels, VoxelOrders(*voxels), std::move(surface)});
         products_.keep<VoxelGeometry>(key, made, clock.stop());
+        return made;
+    }
+
+    /// Null: stopped.
+    [[nodiscard]] std::shared_ptr<const PartnerTable> partners(const VoxelGeometry& geometry)
+    {
+        const std::string key =
+            fmt::format("{}partners {} {}", geometryKey(), params_.voxelDirections, params_.voxelPartnerMemory);
+        if (auto kept = products_.find<PartnerTable>(key)) return kept;
+        const StageClock clock("partners", control_);
+        const auto most = static_cast<std::size_t>(params_.voxelPartnerMemory) << 20;
+        auto made =
+            PartnerTable::make(*scene_.rays, *geometry.voxels, geometry.orders, params_.voxelDirections, most,
+                               control_.workers(), control_.stop(), within(Stage::build, kVoxelsUntil, kPartnersUntil));
+        if (made) products_.keep<PartnerTable>(key, made, clock.stop());
         return made;
     }
 
@@ -117,17 +142,20 @@ private:
         const double bytes = static_cast<double>(voxels.entries.size()) * channels * 5.0 * sizeof(float);
         if (const Result<Done> fits = checkMemory(bytes, params_); !fits) return fits;
 
+        const auto partners = this->partners(geometry);
+        if (!partners) return cancelled();
         const StageClock firstClock("first light", control_);
-        const EntryValues first = firstLight(*scene_.lights, *scene_.reach, voxels, missing, params_.voxelSamples,
-                                             params_.seed, control_.workers(), control_.stop(),
-                                             [&](double part) { tell(Stage::fit, kVoxelShare + kFirstShare * part); });
+        const EntryValues first =
+            firstLight(*scene_.lights, *scene_.reach, voxels, missing, params_.voxelSamples, params_.seed,
+                       control_.workers(), control_.stop(), within(Stage::fit, kPartnersUntil, kFirstUntil));
         if (first.values.empty() && !voxels.entries.empty()) return cancelled();
         addCost(products_.counters.stages, firstClock.stop());
         const StageClock clock("bounces", control_);
         int bounces = 0;
         const EntryValues all =
             bounceLight(*scene_.rays, voxels, geometry.orders, reflected(first, albedo), albedo,
-                        {params_.voxelDirections, params_.voxelGain}, control_.workers(), control_.stop(), &bounces);
+                        {params_.voxelDirections, params_.voxelGain}, control_.workers(), control_.stop(), &bounces,
+                        partners.get(), within(Stage::fit, kFirstUntil, 1.0));
         if (all.values.empty() && !voxels.entries.empty()) return cancelled();
         products_.counters.bounces += static_cast<std::uint64_t>(bounces);
         const StageCost cost = clock.stop();
