@@ -6,9 +6,9 @@
 #include "core/trace/light_reach.h"
 #include "core/trace/material.h"
 #include "tests/bench_clock.h"
+#include "tests/bench_embree.h"
 #include "tests/bench_scene.h"
 #include <algorithm>
-#include <embree3/rtcore.h>
 #include <fmt/format.h>
 #include <limits>
 #include <nanoflann.hpp>
@@ -46,35 +46,6 @@ std::vector<Ray> recordRays(const RayScene& rays, const LightSampler& lights, st
         }
     }
     return recorded;
-}
-
-double bareEmbree(const RayScene& rays, const std::vector<Ray>& recorded)
-{
-    const FlushDenormals flush;
-    const auto tree = static_cast<RTCScene>(rays.embreeScene());
-    double sum = 0.0;
-    for (const Ray& ray : recorded) {
-        RTCRayHit query;
-        query.ray = {ray.origin.x,
-                     ray.origin.y,
-                     ray.origin.z,
-                     0.0f,
-                     ray.travel.x,
-                     ray.travel.y,
-                     ray.travel.z,
-                     0.0f,
-                     std::numeric_limits<float>::infinity(),
-                     0xFFFFFFFFu,
-                     0,
-                     0};
-        query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-        query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-        RTCIntersectContext context;
-        rtcInitIntersectContext(&context);
-        rtcIntersect1(tree, &context, &query);
-        sum += query.hit.geomID == RTC_INVALID_GEOMETRY_ID ? 0.0 : 1.0;
-    }
-    return sum;
 }
 
 std::shared_ptr<const PhotonPaths> benchTracer(const std::string& name, const RayScene& rays,

@@ -17,46 +17,43 @@ class VoxelBouncesTest : public QObject {
 private Q_SLOTS:
     void furnacesGlowEvenly_data()
     {
-        QTest::addColumn<double>("rho");
         QTest::addColumn<double>("shift");
-        for (const double rho : {0.2, 0.5, 0.8, 0.95}) {
-            for (const double shift : {0.0, 0.3}) QTest::addRow("%g shift %g", rho, shift) << rho << shift;
-        }
+        for (const double shift : {0.0, 0.3}) QTest::addRow("shift %g", shift) << shift;
     }
     void furnacesGlowEvenly() // A8: B = E = M / (1 - rho) at every place
     {
-        QFETCH(double, rho);
         QFETCH(double, shift);
-        const double mostOff = rho > 0.9 ? 0.02 : 0.005;
         const std::pair<const char*, Scene> rooms[] = {
             {"box", furnaceBox(0.5f, 1.0f, {2.0f, 1.3f, 1.7f})}, {"L", cavityL(0.5f)}, {"rooms", twoRooms()}};
         for (const auto& [name, scene] : rooms) {
-            const Voxels voxels(scene, 64, static_cast<float>(shift));
-            BounceParams params;
-            params.directions = rho > 0.9 ? 512 : 256;
-            std::vector<double> glow =
-                voxels.grey([](const auto&) { return 1.0; }, [&](const auto&) { return rho; }, params);
-            for (double& g : glow) g *= 1.0 - rho;
-            const double mean = voxels.meanOf(glow);
-            std::ranges::sort(glow);
-            qInfo("%s: mean %.4f, 1st percentile %.3f, least %.3f, most %.3f", name, mean, glow[glow.size() / 100],
-                  glow.front(), glow.back());
-            QVERIFY(std::abs(mean - 1.0) <= mostOff);
-            QVERIFY(glow[glow.size() / 100] >= 0.96);
-            QVERIFY(glow.back() <= 1.001); // nothing is brighter than the furnace
+            Voxels voxels(scene, 64, static_cast<float>(shift));
+            for (const double rho : {0.95, 0.2, 0.5, 0.8}) {
+                BounceParams params;
+                params.directions = rho > 0.9 ? 512 : 256;
+                std::vector<double> glow =
+                    voxels.grey([](const auto&) { return 1.0; }, [&](const auto&) { return rho; }, params);
+                for (double& g : glow) g *= 1.0 - rho;
+                const double mean = voxels.meanOf(glow);
+                std::ranges::sort(glow);
+                qInfo("%s, rho %g: mean %.4f, 1st percentile %.3f, least %.3f, most %.3f", name, rho, mean,
+                      glow[glow.size() / 100], glow.front(), glow.back());
+                QVERIFY(std::abs(mean - 1.0) <= (rho > 0.9 ? 0.02 : 0.005));
+                QVERIFY(glow[glow.size() / 100] >= 0.96);
+                QVERIFY(glow.back() <= 1.001); // nothing is brighter than the furnace
+            }
         }
     }
 
     void reflectionOfAPlane() // A4: an open scene, by the code that furnaces use
     {
-        const Voxels voxels(reflectionScene(4.0f), 128);
+        Voxels voxels(reflectionScene(4.0f), 128);
         const std::vector<glm::dvec3> s2{{-2, 0, 0}, {2, 0, 0}, {2, 4, 0}, {-2, 4, 0}};
         hold(voxels, [&](glm::dvec3 p) { return configurationFactor(p, {0, 1, 0}, s2); });
     }
 
     void reflectionPastAScreen() // A5
     {
-        const Voxels voxels(obstructionScene(), 256);
+        Voxels voxels(obstructionScene(), 256);
         hold(voxels, [](glm::dvec3 p) {
             double factor = configurationFactor(p, {0, 1, 0}, {{-2, 0, 0}, {2, 0, 0}, {2, 1, 0}, {-2, 1, 0}});
             const double over = p.z > 0.5 ? p.z / (p.z - 0.5) : 4.0;
@@ -69,7 +66,7 @@ private Q_SLOTS:
     void plates() // A9: in the middle of wide plates
     {
         const double low = 0.6, high = 0.4;
-        const Voxels voxels(parallelPlates(0.6f, 0.4f), 128);
+        Voxels voxels(parallelPlates(0.6f, 0.4f), 128);
         const auto isLow = [](const Orientation& o) { return o.normal.y > 0.5f; };
         BounceParams params;
         params.directions = 1024;
@@ -92,7 +89,7 @@ private Q_SLOTS:
     void aLitCube() // A7: the mean of what is reflected
     {
         const double rho = 0.5, candela = 100.0;
-        const Voxels voxels(litCube(0.5f), 48, 0.3f);
+        Voxels voxels(litCube(0.5f), 48, 0.3f);
         const std::vector<double> lux = voxels.grey(
             [&](const Orientation& o) {
                 const glm::dvec3 p(o.centroid);
@@ -115,7 +112,7 @@ private Q_SLOTS:
             builder.addPoint("Right", {3.0f, 1.0f, 1.0f}, glm::vec3(1.0f));
             const Scene scene = builder.finish();
             for (const float shift : {0.0f, 0.25f, 0.5f, 0.75f}) {
-                const Voxels voxels(scene, 64, shift);
+                Voxels voxels(scene, 64, shift);
                 const float wall = 2.0f + 0.5f * thick;
                 const auto isLeft = [&](const Orientation& o) { return o.centroid.x < wall; };
                 const std::vector<double> lux = voxels.grey([&](const Orientation& o) { return isLeft(o) ? 1.0 : 0.0; },
@@ -138,10 +135,11 @@ private:
     /// The wall before a plane that sends 500 lm/m2 up: its light against `factor` times that, from two cells up. Open
     /// rims are off by a part of a cell, which goes with the cell's size (4.5, 2.4, 1.3 % at 32, 64, 128 cells in A4).
     template<class Factor>
-    static void hold(const Voxels& voxels, Factor factor)
+    static void hold(Voxels voxels, Factor factor)
     {
         BounceParams params;
         params.directions = 1024;
+        params.mostBounces = 1; // nothing is reflected
         const auto isPlane = [](const Orientation& o) { return o.normal.y > 0.5f && o.centroid.y < 0.01f; };
         const std::vector<double> lux = voxels.grey([&](const Orientation& o) { return isPlane(o) ? 500.0 : 0.0; },
                                                     [](const auto&) { return 0.0; }, params);

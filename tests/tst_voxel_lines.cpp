@@ -363,7 +363,7 @@ private Q_SLOTS:
         const auto voxels = voxelise(scene.bounds, *reach, 40, 0.0f, workers, {});
         const VoxelOrders orders(*voxels);
         for (int axis = 0; axis < 3; ++axis) {
-            const auto places = orders.along(axis);
+            const std::vector<VoxelPlace>& places = orders.along(axis).places;
             QCOMPARE(places.size(), voxels->voxels.size());
             std::vector<bool> seen(places.size());
             for (std::size_t i = 0; i < places.size(); ++i) {

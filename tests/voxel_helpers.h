@@ -10,6 +10,7 @@ struct Voxels {
     std::shared_ptr<const RayScene> rays;
     std::shared_ptr<const SurfaceVoxels> surface;
     std::optional<VoxelOrders> orders;
+    std::shared_ptr<const PartnerTable> kept;
 
     explicit Voxels(const Scene& scene, int cells, float shift = 0.0f)
     {
@@ -33,10 +34,10 @@ struct Voxels {
         Workers workers(threads);
         return bounceLight(*rays, *surface, *orders, radiosity, albedo, params, workers, {}, nullptr, table);
     }
-    /// The first channel under grey light, `radiosity` and `albedo` by entry.
+    /// The first channel under grey light, `radiosity` and `albedo` by entry. Partners are stored for the next time:
+    /// tst_partner_table holds their bits to those of walking.
     template<class Radiosity, class Albedo>
-    [[nodiscard]] std::vector<double> grey(Radiosity radiosity, Albedo albedo, const BounceParams& params = {},
-                                           const PartnerTable* table = nullptr) const
+    [[nodiscard]] std::vector<double> grey(Radiosity radiosity, Albedo albedo, const BounceParams& params = {})
     {
         EntryValues first;
         std::vector<glm::vec3> albedos;
@@ -44,7 +45,8 @@ struct Voxels {
             first.values.insert(first.values.end(), 3, static_cast<float>(radiosity(o)));
             albedos.emplace_back(static_cast<float>(albedo(o)));
         }
-        const EntryValues lux = bounced(first, albedos, params, 2, table);
+        if (!kept || kept->directions() < params.directions) kept = stored(params.directions);
+        const EntryValues lux = bounced(first, albedos, params, 2, kept.get());
         std::vector<double> values;
         for (std::size_t e = 0; e < entries().size(); ++e) values.push_back(static_cast<double>(lux.values[3 * e]));
         return values;

@@ -1,114 +1,218 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/transport/line_partners.h"
 #include "core/base/rng.h"
+#include "core/base/wide_vectors.h"
 #include <algorithm>
 #include <bit>
 
 namespace lightloom {
 namespace {
 
-constexpr std::int32_t kSameWall = 2; ///< slices
-constexpr float kAboutPlane = 1.5f;   ///< cells
-constexpr float kWhollyMet = 0.5f;    ///< share of what an entry shows that is enough to end all its ways in a corner
+constexpr int kSameWall = 2;        ///< slices
+constexpr float kAboutPlane = 1.5f; ///< cells
+constexpr float kWhollyMet = 0.5f;  ///< share of what an entry shows that is enough to end all its ways in a corner
 /// Share of a line's cross-section that is enough to be met for certain. A wall covers all of it in at most three
 /// steps: one of them is large enough.
 constexpr float kEnough = 0.25f;
-constexpr float kApart = 1e-3f; ///< cells: the two sides of a sheet are neither before nor behind each other
+constexpr std::uint32_t kAhead = 16; ///< slots: lines are fetched so long before they are walked on
+constexpr float kApart = 1e-3f;      ///< cells: the two sides of a sheet are neither before nor behind each other
 
-/// How far `at` lies before the entry's plane, in cells.
-float before(const Orientation& entry, glm::vec3 at, float cell)
+using Longs4 = std::int64_t __attribute__((vector_size(32)));
+using Unsigned8 = std::uint32_t __attribute__((vector_size(32)));
+
+/// Finaliser of MurmurHash3: every bit reaches every other.
+template<class Bits>
+[[gnu::always_inline]] inline void mix(Bits& x)
 {
-    return glm::dot(at - entry.centroid, entry.normal) / cell;
+    x = (x ^ (x >> 16)) * 0x85EBCA6Bu;
+    x = (x ^ (x >> 13)) * 0xC2B2AE35u;
+    x = x ^ (x >> 16);
+}
+
+/// Uniform in [0, 1).
+float drawn(std::uint32_t key, std::uint32_t voxel)
+{
+    std::uint32_t bits = key ^ voxel;
+    mix(bits);
+    return static_cast<float>(static_cast<std::int32_t>(bits >> 8)) * 0x1p-24f;
+}
+
+/// What the walk does with a voxel of one entry.
+enum Kind : std::int32_t { kAlong = 0, kForth = 1, kBack = 2, kPassed = 4 };
+
+struct Slots {
+    const float *x, *y, *z, *area;
+    const std::uint32_t *voxel, *uv;
+};
+
+struct Walk {
+    glm::vec3 along;
+    std::uint32_t width, offset, key;
+    float enough, planeSlices;
+};
+
+struct Prepared {
+    float* cosines;
+    std::uint32_t* numbers;
+    std::int32_t *kinds, *reaches;
+};
+
+constexpr float kFurthest = 2047.0f; ///< slices: no line goes on for so many
+
+/// For `count` slots, in eights: some more are overwritten.
+LIGHTLOOM_WIDE_VECTORS void prepare(const Slots& s, std::size_t count, const Walk& walk, const Prepared& out)
+{
+    for (std::size_t i = 0; i < (count + kLanes - 1) / kLanes; ++i) {
+        const Floats8 cosine = lanesOf<Floats8>(s.x, i) * walk.along.x + lanesOf<Floats8>(s.y, i) * walk.along.y +
+                               lanesOf<Floats8>(s.z, i) * walk.along.z;
+        const Floats8 size = cosine < 0.0f ? -cosine : cosine;
+        lanesOf<Floats8>(out.cosines, i) = cosine;
+        const Unsigned8 uv = lanesOf<Unsigned8>(s.uv, i);
+        lanesOf<Unsigned8>(out.numbers, i) = (uv & 0xFFFFu) * walk.width + (uv >> 16) + walk.offset;
+        const Ints8 isForth = cosine > kAlongSurface, isBack = cosine < -kAlongSurface;
+        const Floats8 covered = lanesOf<Floats8>(s.area, i) * size;
+        Ints8 isPassed = covered < walk.enough;
+        const auto any = reinterpret_cast<Longs4>(isPassed);
+        if ((any[0] | any[1] | any[2] | any[3]) != 0) {
+            Unsigned8 bits = lanesOf<Unsigned8>(s.voxel, i) ^ walk.key;
+            mix(bits);
+            const Floats8 draw = __builtin_convertvector(reinterpret_cast<Ints8>(bits >> 8), Floats8) * 0x1p-24f;
+            isPassed &= covered <= walk.enough * draw;
+        }
+        lanesOf<Ints8>(out.kinds, i) =
+            (isForth & std::int32_t(kForth)) | (isBack & std::int32_t(kBack)) | (isPassed & std::int32_t(kPassed));
+        const Floats8 reach = walk.planeSlices / size;
+        lanesOf<Ints8>(out.reaches, i) =
+            __builtin_convertvector(reach < kFurthest ? reach : kFurthest + Floats8{}, Ints8);
+    }
+}
+
+/// Partners by entry from those by slot.
+LIGHTLOOM_WIDE_VECTORS void toEntries(const std::uint32_t* entries, const std::uint32_t* ends, std::size_t count,
+                                      std::uint32_t* partners)
+{
+    for (std::size_t i = 0; i < count; ++i) partners[entries[i]] = entries[ends[i]];
+}
+
+/// Whether each lies before the other's plane.
+bool see(const Plane& one, const Plane& other) { return one.before(other) > kApart && other.before(one) > kApart; }
+
+/// Calls `what` with the number of each.
+template<class Do>
+void forEach(std::uint32_t members, Do what)
+{
+    for (; members != 0; members &= members - 1) what(static_cast<std::uint32_t>(std::countr_zero(members)));
 }
 
 } // namespace
 
-template<class Do>
-void LinePartners::forEach(std::uint32_t voxel, Members members, Do what) const
-{
-    for (; members != 0; members &= members - 1)
-        what(voxels_.firstEntry[voxel] + static_cast<std::uint32_t>(std::countr_zero(members)));
-}
-
 LinePartners::LinePartners(const SurfaceVoxels& voxels, const VoxelOrders& orders)
-    : voxels_(voxels), orders_(orders), waiting_(voxels.entries.size()), cosines_(voxels.entries.size())
+    : voxels_(voxels), orders_(orders), beside_(voxels.entries.size()),
+      none_(static_cast<std::uint32_t>(voxels.entries.size())), cosines_(voxels.entries.size() + WalkOrder::kSpare),
+      before_(voxels.entries.size()), chained_(voxels.entries.size() + 1), together_(voxels.entries.size()),
+      ends_(voxels.entries.size() + 1), partners_(voxels.entries.size())
 {
+    findBeside();
+    std::uint32_t most = 0; // slots of a slice
+    for (int axis = 0; axis < 3; ++axis) {
+        const std::vector<std::uint32_t>& first = orders.along(axis).firstSlot;
+        for (std::size_t slice = 0; slice + 1 < first.size(); ++slice)
+            most = std::max(most, first[slice + 1] - first[slice]);
+    }
+    numbers_.resize(most + kAhead), kinds_.resize(most + kAhead), reaches_.resize(most + kAhead);
 }
 
-LinePartners::Faces LinePartners::facesOf(std::uint32_t voxel) const
+void LinePartners::findBeside()
+{
+    const WalkOrder& order = orders_.along(0);
+    for (std::uint32_t slot = 0; slot < none_; ++slot) {
+        Beside& beside = beside_[order.entry[slot]];
+        const Plane& one = order.planes[slot];
+        const std::uint32_t voxel = order.voxel[slot], first = slot - (order.entry[slot] - voxels_.firstEntry[voxel]);
+        const std::uint32_t count = voxels_.firstEntry[voxel + 1] - voxels_.firstEntry[voxel];
+        for (std::uint32_t k = 0; k < count && count > 1; ++k) {
+            const Plane& other = order.planes[first + k];
+            beside.seen |= Members(see(one, other)) << k;
+            beside.opposite |= Members(glm::dot(one.normal, other.normal) < -kSameOrientation) << k;
+        }
+    }
+}
+
+/// Slot of the first entry of a slot's voxel.
+std::uint32_t LinePartners::firstOfVoxel(std::uint32_t slot) const
+{
+    return slot - (order_->entry[slot] - voxels_.firstEntry[order_->voxel[slot]]);
+}
+
+/// What an entry covers of lines' cross-section, m2.
+float LinePartners::shownBy(std::uint32_t slot) const { return order_->area[slot] * glm::abs(cosines_[slot]); }
+
+LinePartners::Faces LinePartners::facesOf(const Several& voxel) const
 {
     Faces faces;
-    const std::uint32_t first = voxels_.firstEntry[voxel], count = voxels_.firstEntry[voxel + 1] - first;
-    for (std::uint32_t i = 0; i < count; ++i) {
-        faces.forth |= Members(cosines_[first + i] > kAlongSurface) << i;
-        faces.back |= Members(cosines_[first + i] < -kAlongSurface) << i;
+    for (std::uint32_t i = 0; i < voxel.count; ++i) {
+        faces.forth |= Members(cosines_[voxel.slot + i] > kAlongSurface) << i;
+        faces.back |= Members(cosines_[voxel.slot + i] < -kAlongSurface) << i;
     }
     return faces;
 }
 
-/// Those of a voxel's entries that see `entry` and that it sees: each lies before the other's plane.
-LinePartners::Members LinePartners::seeing(std::uint32_t entry, std::uint32_t voxel, Members among) const
-{
-    const Orientation& from = voxels_.entries[entry];
-    Members seen = 0;
-    forEach(voxel, among, [&](std::uint32_t e) {
-        const Orientation& to = voxels_.entries[e];
-        const bool sees = before(from, to.centroid, voxels_.cellSize()) > kApart &&
-                          before(to, from.centroid, voxels_.cellSize()) > kApart;
-        seen |= Members(sees) << (e - voxels_.firstEntry[voxel]);
-    });
-    return seen;
-}
-
 /// One of a voxel's entries, drawn by area times cosine.
-std::uint32_t LinePartners::pick(std::uint32_t voxel, Members among) const
+std::uint32_t LinePartners::pick(std::uint32_t firstSlot, Members among) const
 {
-    const std::uint32_t first = voxels_.firstEntry[voxel];
-    if (std::has_single_bit(among)) return first + static_cast<std::uint32_t>(std::countr_zero(among));
-    const auto seen = [&](std::uint32_t e) { return voxels_.entries[e].area * glm::abs(cosines_[e]); };
+    if (std::has_single_bit(among)) return firstSlot + static_cast<std::uint32_t>(std::countr_zero(among));
     float all = 0.0f;
-    forEach(voxel, among, [&](std::uint32_t e) { all += seen(e); });
-    float rest = all * Rng(number_, 0, voxel).uniform();
+    forEach(among, [&](std::uint32_t i) { all += shownBy(firstSlot + i); });
+    float rest = all * drawn(keys_[0], order_->voxel[firstSlot]);
     std::uint32_t picked = kNothing;
-    forEach(voxel, among, [&](std::uint32_t e) {
-        if (rest >= 0.0f) picked = e;
-        rest -= seen(e);
+    forEach(among, [&](std::uint32_t i) {
+        if (rest >= 0.0f) picked = firstSlot + i;
+        rest -= shownBy(firstSlot + i);
     });
     return picked;
 }
 
+/// What an entry sees of the line's emitter.
+std::uint32_t LinePartners::seenBy(std::uint32_t slot, const Line& line) const
+{
+    if (line.emitter == kNothing) return none_;
+    if (line.emitters == 0) return line.emitter;
+    const std::uint32_t first = firstOfVoxel(line.emitter);
+    Members seen = 0;
+    forEach(line.emitters,
+            [&](std::uint32_t i) { seen |= Members(see(order_->planes[slot], order_->planes[first + i])) << i; });
+    return pick(first, seen != 0 ? seen : line.emitters);
+}
+
 /// Whether the way from an entry that waits ends at one that faces it. Not while the line is about the plane of one of
 /// them and the other lies behind it.
-bool LinePartners::endsAt(std::uint32_t waiting, std::uint32_t facing, std::int32_t slice) const
+bool LinePartners::endsAt(std::uint32_t from, std::uint32_t to) const
 {
-    const Orientation &from = voxels_.entries[waiting], &to = voxels_.entries[facing];
-    const float way = static_cast<float>(slice - waiting_[waiting].slice) * perSlice_;
-    const auto isPassed = [&](const Orientation& plane, std::uint32_t entry, const Orientation& other) {
-        return before(plane, other.centroid, voxels_.cellSize()) > kApart ||
-               way * glm::abs(cosines_[entry]) > kAboutPlane;
+    const Plane &one = order_->planes[from], &other = order_->planes[to];
+    const float way = (other.slice - one.slice) * perSlice_;
+    const auto isPassed = [&](const Plane& plane, const Plane& seen) {
+        return way * glm::abs(glm::dot(plane.normal, along_)) > kAboutPlane || plane.before(seen) > kApart;
     };
-    return isPassed(from, waiting, to) && isPassed(to, facing, from);
+    return isPassed(one, other) && isPassed(other, one);
 }
 
 /// Entries of a voxel that see each other along the line become partners; what is left. One that covers little of what
 /// the other shows along the line is met as rarely: the foot of a bump does not darken a whole voxel.
-LinePartners::Faces LinePartners::joinCorners(std::uint32_t voxel, const Faces& faces)
+LinePartners::Faces LinePartners::joinCorners(const Several& voxel, const Faces& faces)
 {
     Faces left = faces;
-    const auto shown = [&](std::uint32_t e) { return voxels_.entries[e].area * glm::abs(cosines_[e]); };
-    float place = -1.0f; // drawn when it is wanted
+    const float place = drawn(keys_[2], order_->voxel[voxel.slot]);
     const auto join = [&](Members from, Members to, Members& leftOver) {
-        forEach(voxel, from, [&](std::uint32_t e) {
-            const Members seen = seeing(e, voxel, to);
+        forEach(from, [&](std::uint32_t i) {
+            const std::uint32_t slot = voxel.slot + i;
+            const Members seen = besideAt(slot).seen & to;
             if (seen == 0) return;
             float covered = 0.0f;
-            forEach(voxel, seen, [&](std::uint32_t o) { covered += shown(o); });
-            if (covered < kWhollyMet * shown(e)) {
-                if (place < 0.0f) place = Rng(number_, 2, voxel).uniform();
-                if (place * kWhollyMet * shown(e) >= covered) return;
-            }
-            partners_[e] = pick(voxel, seen);
-            leftOver &= ~(Members(1) << (e - voxels_.firstEntry[voxel]));
+            forEach(seen, [&](std::uint32_t k) { covered += shownBy(voxel.slot + k); });
+            const float shown = shownBy(slot);
+            if (covered < kWhollyMet * shown && covered <= place * kWhollyMet * shown) return;
+            ends_[slot] = pick(voxel.slot, seen);
+            leftOver &= ~(Members(1) << i);
         });
     };
     join(faces.forth, faces.back, left.forth);
@@ -117,119 +221,238 @@ LinePartners::Faces LinePartners::joinCorners(std::uint32_t voxel, const Faces& 
 }
 
 /// Whether a line passes beside surface that covers so much (m2) of its cross-section.
-bool LinePartners::passes(std::uint32_t voxel, float covered, float enough) const
+bool LinePartners::passes(std::uint32_t slot, float covered, float enough) const
 {
-    return covered < enough && covered <= enough * Rng(number_, 1, voxel).uniform();
+    return covered < enough && covered <= enough * drawn(keys_[1], order_->voxel[slot]);
 }
 
 /// Which faces of a voxel the line passes beside: slivers, which other voxels of the same surface make up for; and at
 /// an edge that is open outwards, not at a slab or in a corner, as much as the surface leaves of the line's
 /// cross-section.
-LinePartners::Faces LinePartners::passedBy(std::uint32_t voxel, const Faces& faces) const
+LinePartners::Faces LinePartners::passedBy(const Several& voxel, const Faces& faces) const
 {
     float back = 0.0f, forth = 0.0f;
     const Members all = faces.back | faces.forth;
     bool isEdge = !std::has_single_bit(all);
-    forEach(voxel, all, [&](std::uint32_t e) {
-        (cosines_[e] < 0.0f ? back : forth) += voxels_.entries[e].area * glm::abs(cosines_[e]);
-        isEdge = isEdge && seeing(e, voxel, all) == 0;
-        if (!isEdge) return;
-        forEach(voxel, all, [&](std::uint32_t o) {
-            const Orientation &one = voxels_.entries[e], &other = voxels_.entries[o];
-            isEdge = isEdge && glm::dot(one.normal, other.normal) >= -kSameOrientation;
-        });
+    forEach(all, [&](std::uint32_t i) {
+        const Beside& beside = besideAt(voxel.slot + i);
+        (faces.back >> i & 1u ? back : forth) += shownBy(voxel.slot + i);
+        isEdge = isEdge && ((beside.seen | beside.opposite) & all) == 0;
     });
     const float enough = isEdge ? tube_ : kEnough * tube_;
-    return {passes(voxel, forth, enough) ? faces.forth : 0, passes(voxel, back, enough) ? faces.back : 0};
+    return {passes(voxel.slot, forth, enough) ? faces.forth : 0, passes(voxel.slot, back, enough) ? faces.back : 0};
 }
 
-/// Those that the line passes beside wait before the last one that does: nobody sees them for it.
-void LinePartners::wait(Line& line, const VoxelPlace& place, Members members, bool isPassed)
+/// One joins the chain. One that the line passes beside is not seen while there is another.
+[[gnu::always_inline]] inline void LinePartners::wait(Line& line, std::uint32_t slot, std::uint16_t slice,
+                                                      std::int32_t reach, Members together, bool isPassed)
 {
-    std::uint32_t& before = isPassed && line.waiting != kNothing ? waiting_[line.waiting].before : line.waiting;
-    forEach(place.voxel, members, [&](std::uint32_t e) {
-        waiting_[e] = {before, place.voxel, members, place.slice};
-        before = e;
-    });
+    const bool isFirst = line.last == kNothing, isSeen = isFirst || !isPassed;
+    before_[slot] = line.last;
+    chained_[chainedCount_] = slot;
+    chainedCount_ += isFirst ? 0 : 1;
+    line.last = slot;
+    line.seen = isSeen ? slot : line.seen;
+    line.together = isSeen ? together : line.together;
+    line.lastSlice = slice;
+    const auto farAfter = static_cast<std::uint16_t>(slice + reach);
+    line.farAfter = isFirst || farAfter > line.farAfter ? farAfter : line.farAfter;
 }
 
-/// Ends ways at those that face the ones that wait, or passes beside; `takers` of them see what waits.
-void LinePartners::close(Line& line, const VoxelPlace& place, Members facing, Members takers, bool isPassed)
+/// Ends the ways of those that wait for which `endOf` has an end, or none where the line passes by; sets the emitter.
+template<class EndOf>
+void LinePartners::close(Line& line, std::uint16_t slice, bool isPassed, EndOf endOf)
 {
-    std::uint32_t last = kNothing; // of those whose way ends here
-    const std::uint32_t drawn = pick(place.voxel, facing);
-    for (std::uint32_t* link = &line.waiting; *link != kNothing;) {
-        const std::uint32_t e = *link;
-        std::uint32_t end = endsAt(e, drawn, place.slice) ? drawn : kNothing;
-        if (end == kNothing && !std::has_single_bit(facing)) {
-            forEach(place.voxel, facing, [&](std::uint32_t f) {
-                if (end == kNothing && endsAt(e, f, place.slice)) end = f;
-            });
+    std::uint32_t ended = kNothing, last = line.last;
+    bool isSeenThere = false;
+    Members together = line.together;
+    int farAfter = 0;
+    for (std::uint32_t* link = &last; *link != kNothing;) {
+        const std::uint32_t slot = *link, end = endOf(slot);
+        if (end != kNothing && (ended == kNothing || slot == line.seen)) ended = slot;
+        if (end == kNothing || isPassed) {
+            isSeenThere = isSeenThere || slot == line.seen;
+            farAfter = std::max(farAfter, order_->slice[slot] + reachOf(slot));
+            link = &before_[slot];
+        } else {
+            ends_[slot] = end;
+            *link = before_[slot];
+            before_[slot] = kNothing;
         }
-        if (end == kNothing) {
-            link = &waiting_[e].before;
-            continue;
-        }
-        if (last == kNothing) last = e;
-        if (isPassed) break;
-        partners_[e] = end;
-        *link = waiting_[e].before;
     }
-    if (last != kNothing)
-        line.emitter = waiting_[last].voxel, line.emitters = waiting_[last].together;
-    else if (place.slice - line.closedAt > kSameWall)
+    const auto togetherAt = [&](std::uint32_t slot) {
+        return slot < order_->firstOfSeveral[order_->slice[slot]] ? Members(0) : together_[slot];
+    };
+    if (ended != kNothing)
+        line.emitter = ended, line.emitters = ended == line.seen ? together : togetherAt(ended);
+    else if (slice - line.closedAt > kSameWall)
         line.emitter = kNothing;
-    line.closedAt = place.slice;
-    if (line.emitter == kNothing) return;
-    forEach(place.voxel, takers, [&](std::uint32_t e) {
-        const Members seen = seeing(e, line.emitter, line.emitters);
-        partners_[e] = pick(line.emitter, seen != 0 ? seen : line.emitters);
+    line.closedAt = slice;
+    line.last = last;
+    line.farAfter = static_cast<std::uint16_t>(farAfter);
+    if (last == kNothing) return;
+    line.lastSlice = order_->slice[last];
+    if (!isSeenThere) line.seen = last, line.together = togetherAt(last);
+}
+
+/// Ends ways at an entry that faces those that wait, some of which are near.
+void LinePartners::closeNear(Line& line, std::uint32_t slot, std::uint16_t slice, bool isPassed)
+{
+    close(line, slice, isPassed, [&](std::uint32_t from) { return endsAt(from, slot) ? slot : kNothing; });
+    ends_[slot] = seenBy(slot, line);
+}
+
+/// The same at several entries of a voxel; `takers` of them see what waits.
+void LinePartners::closeSeveral(Line& line, const Several& voxel, Members facing, Members takers, bool isPassed)
+{
+    const std::uint32_t drawnOne = pick(voxel.slot, facing);
+    close(line, voxel.slice, isPassed, [&](std::uint32_t from) {
+        if (endsAt(from, drawnOne)) return drawnOne;
+        for (Members left = std::has_single_bit(facing) ? 0 : facing; left != 0; left &= left - 1) {
+            const std::uint32_t slot = voxel.slot + static_cast<std::uint32_t>(std::countr_zero(left));
+            if (endsAt(from, slot)) return slot;
+        }
+        return kNothing;
+    });
+    forEach(takers, [&](std::uint32_t i) { ends_[voxel.slot + i] = seenBy(voxel.slot + i, line); });
+}
+
+std::int32_t LinePartners::reachOf(std::uint32_t slot) const
+{
+    return static_cast<std::int32_t>(std::min(kAboutPlane / perSlice_ / glm::abs(cosines_[slot]), kFurthest));
+}
+
+LinePartners::Line& LinePartners::lineAt(std::uint32_t number)
+{
+    Line& line = lines_[number];
+    if (line.stamp != stamp_) line = Line{.stamp = stamp_};
+    return line;
+}
+
+void LinePartners::walkSeveral(const Several& voxel, Line& line)
+{
+    std::fill_n(ends_.begin() + voxel.slot, voxel.count, none_);
+    const Faces faces = facesOf(voxel);
+    Faces left = faces;
+    if (faces.forth != 0 && faces.back != 0) left = joinCorners(voxel, faces);
+    const Faces passed = passedBy(voxel, left);
+    if (faces.back != 0)
+        closeSeveral(line, voxel, left.back != 0 ? left.back : faces.back, left.back, passed.back != 0);
+    const Members joined = faces.forth & ~left.forth;
+    if (joined != 0) {
+        line.emitter = voxel.slot + static_cast<std::uint32_t>(std::countr_zero(joined));
+        line.emitters = std::has_single_bit(joined) ? 0 : joined;
+    }
+    const bool isPassed = passed.forth != 0 && line.last != kNothing;
+    const Members together = std::has_single_bit(left.forth) ? 0 : left.forth;
+    forEach(left.forth, [&](std::uint32_t i) {
+        const std::uint32_t slot = voxel.slot + i;
+        together_[slot] = together;
+        wait(line, slot, voxel.slice, reachOf(slot), together, isPassed);
     });
 }
 
-/// The line goes through a voxel of one entry, as most are.
-void LinePartners::walkOne(Line& line, const VoxelPlace& place, std::uint32_t entry)
+/// Voxels of one entry each, slots [first, end). Branches go by what surface faces, as slots are ordered; what else
+/// differs from one voxel to the next is selected.
+void LinePartners::walkOnes(std::uint32_t first, std::uint32_t end, std::uint16_t slice)
 {
-    const float cosine = cosines_[entry];
-    if (!(glm::abs(cosine) > kAlongSurface)) return;
-    const bool isPassed = passes(place.voxel, voxels_.entries[entry].area * glm::abs(cosine), kEnough * tube_);
-    if (cosine > 0.0f)
-        wait(line, place, 1, isPassed);
-    else
-        close(line, place, 1, 1, isPassed);
+    const Line kNew{};
+    const std::uint32_t none = none_;
+    Line* const lines = lines_.data();
+    std::uint32_t *const ends = ends_.data(), *const before = before_.data(), *const chained = chained_.data();
+    std::size_t chainedCount = chainedCount_;
+    const std::uint16_t stamp = stamp_;
+    for (std::uint32_t slot = first; slot < end; ++slot) {
+        const std::uint32_t i = slot - first;
+        __builtin_prefetch(&lines[numbers_[i + kAhead]], 1);
+        const std::int32_t kind = kinds_[i], reach = reaches_[i];
+        Line& line = lines[numbers_[i]];
+        const Line& from = line.stamp == stamp ? line : kNew;
+        const bool isPassed = (kind & kPassed) != 0;
+        const std::uint32_t last = from.last;
+        ends[slot] = none;
+        if ((kind & kForth) != 0) {
+            const bool isFirst = last == kNothing, isSeen = isFirst | !isPassed;
+            before[slot] = last;
+            chained[chainedCount] = slot;
+            chainedCount += isFirst ? 0 : 1;
+            const int farAfter = slice + reach, farBefore = isFirst ? 0 : from.farAfter;
+            line = {slot,
+                    isSeen ? slot : from.seen,
+                    isSeen ? 0 : from.together,
+                    from.emitter,
+                    from.emitters,
+                    slice,
+                    static_cast<std::uint16_t>(std::max(farAfter, farBefore)),
+                    from.closedAt,
+                    stamp};
+        } else if ((kind & kBack) != 0) {
+            const bool isWaiting = last != kNothing;
+            if (isWaiting & ((slice <= from.farAfter) | (slice - from.lastSlice <= reach))) {
+                chainedCount_ = chainedCount;
+                closeNear(line, slot, slice, isPassed);
+                continue;
+            }
+            const bool isRecent = slice - from.closedAt <= kSameWall;
+            const std::uint32_t emitter = isWaiting ? from.seen : isRecent ? from.emitter : kNothing;
+            const Members emitters = isWaiting ? from.together : from.emitters;
+            ends[isWaiting & !isPassed ? last : none] = slot;
+            line = {isPassed ? last : kNothing,
+                    from.seen,
+                    from.together,
+                    emitter,
+                    emitters,
+                    from.lastSlice,
+                    from.farAfter,
+                    slice,
+                    stamp};
+            ends[slot] = emitter == kNothing ? none : emitter;
+            if (emitters != 0) ends[slot] = seenBy(slot, line);
+        }
+    }
+    chainedCount_ = chainedCount;
 }
 
-void LinePartners::walkSeveral(Line& line, const VoxelPlace& place)
+void LinePartners::walkSlice(const LineNumbers& numbers, std::uint16_t slice)
 {
-    const Faces faces = facesOf(place.voxel);
-    Faces left = faces;
-    if (faces.forth != 0 && faces.back != 0) left = joinCorners(place.voxel, faces);
-    const Faces passed = passedBy(place.voxel, left);
-    if (faces.back != 0) close(line, place, left.back != 0 ? left.back : faces.back, left.back, passed.back != 0);
-    if (left.forth != faces.forth) line.emitter = place.voxel, line.emitters = faces.forth & ~left.forth;
-    wait(line, place, left.forth, passed.forth != 0);
+    const WalkOrder& o = *order_;
+    const std::uint32_t first = o.firstSlot[slice], end = o.firstSlot[slice + std::size_t(1)],
+                        several = o.firstOfSeveral[slice];
+    if (first == end) return;
+    const Slots slots{&o.x[first], &o.y[first], &o.z[first], &o.area[first], &o.voxel[first], &o.uv[first]};
+    const Walk walk{along_, numbers.width(), numbers.offset(slice), keys_[1], kEnough * tube_, kAboutPlane / perSlice_};
+    prepare(slots, end - first, walk, {&cosines_[first], numbers_.data(), kinds_.data(), reaches_.data()});
+    walkOnes(first, several, slice);
+    for (std::uint32_t slot = several, next = 0; slot < end; slot = next) {
+        for (next = slot + 1; next < end && o.voxel[next] == o.voxel[slot];) ++next;
+        walkSeveral({slot, next - slot, slice}, lineAt(numbers_[slot - first]));
+    }
+}
+
+/// Those that waited before others ended where these did; partners by entry.
+void LinePartners::finish()
+{
+    for (std::size_t i = chainedCount_; i-- > 0;) {
+        const std::uint32_t slot = chained_[i];
+        if (before_[slot] != kNothing) ends_[before_[slot]] = ends_[slot];
+    }
+    toEntries(order_->entry.data(), ends_.data(), partners_.size(), partners_.data());
 }
 
 std::span<std::uint32_t> LinePartners::find(const LineDirection& direction, std::uint32_t number)
 {
-    number_ = number;
+    for (std::uint32_t purpose = 0; purpose < keys_.size(); ++purpose)
+        keys_[purpose] = static_cast<std::uint32_t>(mixBits(4 * std::uint64_t(number) + purpose));
     along_ = direction.unit;
+    order_ = &orders_.along(direction.major);
     perSlice_ = 1.0f / along_[direction.major];
     tube_ = voxels_.cellSize() * voxels_.cellSize() * along_[direction.major];
     const LineNumbers numbers(direction, voxels_.cells);
     if (lines_.size() < numbers.count()) lines_.resize(numbers.count());
     if (++stamp_ == 0) std::ranges::fill(lines_, Line{}), stamp_ = 1;
-    partners_.assign(voxels_.entries.size(), kNothing);
-    for (std::size_t e = 0; e < cosines_.size(); ++e) cosines_[e] = glm::dot(voxels_.entries[e].normal, along_);
-    for (const VoxelPlace& place : orders_.along(direction.major)) {
-        Line& line = lines_[numbers.of(place)];
-        if (line.stamp != stamp_) line = {.stamp = stamp_};
-        const std::uint32_t first = voxels_.firstEntry[place.voxel];
-        if (voxels_.firstEntry[place.voxel + 1] - first == 1)
-            walkOne(line, place, first);
-        else
-            walkSeveral(line, place);
-    }
+    chainedCount_ = 0;
+    for (int slice = 0; slice < voxels_.cells; ++slice) walkSlice(numbers, static_cast<std::uint16_t>(slice));
+    finish();
     return partners_;
 }
 

@@ -30,45 +30,75 @@ public:
 private:
     /// Entries of one voxel, a bit each.
     using Members = std::uint32_t;
-    static_assert(kMostOrientations <= 32);
-    struct Line {
-        std::uint32_t waiting = kNothing; // the last entry that waits
-        std::uint32_t emitter = kNothing; // voxel that those who faced it last saw
-        Members emitters = 0;             // of it
-        std::int32_t closedAt = 0;        // slice
-        std::uint32_t stamp = 0;          // of the direction; an older one: a line without voxels so far
+    static_assert(kMostOrientations <= 32 && kMostVoxels <= 1024);
+    /// All by slot. Those that wait are a chain, the last one first.
+    struct alignas(32) Line {
+        std::uint32_t last = kNothing;    // of the chain
+        std::uint32_t seen = kNothing;    // which of it is seen: the last one that the line did not pass beside
+        Members together = 0;             // those of its voxel that wait; 0: it is alone
+        std::uint32_t emitter = kNothing; // what those who faced the chain last saw
+        Members emitters = 0;             // as `together`
+        std::uint16_t lastSlice = 0;      // of `last`
+        std::uint16_t farAfter = 0;       // slice beyond which the line has left all planes of the chain behind
+        std::uint16_t closedAt = 0;       // slice
+        std::uint16_t stamp = 0;          // of the direction; an older one: a line without voxels so far
     };
-    struct Waiting {
-        std::uint32_t before, voxel; // the entry that waits since before it; where it is
-        Members together;            // those of its voxel that wait
-        std::int32_t slice;
+    static_assert(sizeof(Line) == 32);
+    /// A voxel of several entries, while a line goes through it.
+    struct Several {
+        std::uint32_t slot, count; // of its first entry; entries
+        std::uint16_t slice;
+    };
+    /// Which others of its voxel an entry sees: each lies before the other's plane; which face its opposite way.
+    struct Beside {
+        Members seen = 0, opposite = 0;
     };
     struct Faces {
         Members forth = 0, back = 0;
     };
-    [[nodiscard]] Faces facesOf(std::uint32_t voxel) const;
-    [[nodiscard]] Members seeing(std::uint32_t entry, std::uint32_t voxel, Members among) const;
-    [[nodiscard]] std::uint32_t pick(std::uint32_t voxel, Members among) const;
-    [[nodiscard]] bool endsAt(std::uint32_t waiting, std::uint32_t facing, std::int32_t slice) const;
-    Faces joinCorners(std::uint32_t voxel, const Faces& faces);
-    [[nodiscard]] bool passes(std::uint32_t voxel, float covered, float enough) const;
-    [[nodiscard]] Faces passedBy(std::uint32_t voxel, const Faces& faces) const;
-    void wait(Line& line, const VoxelPlace& place, Members members, bool isPassed);
-    void close(Line& line, const VoxelPlace& place, Members facing, Members takers, bool isPassed);
-    void walkOne(Line& line, const VoxelPlace& place, std::uint32_t entry);
-    void walkSeveral(Line& line, const VoxelPlace& place);
-    template<class Do>
-    void forEach(std::uint32_t voxel, Members members, Do what) const;
+    void findBeside();
+    [[nodiscard]] const Beside& besideAt(std::uint32_t slot) const { return beside_[order_->entry[slot]]; }
+    [[nodiscard]] std::uint32_t firstOfVoxel(std::uint32_t slot) const;
+    [[nodiscard]] float shownBy(std::uint32_t slot) const;
+    [[nodiscard]] Faces facesOf(const Several& voxel) const;
+    [[nodiscard]] std::uint32_t pick(std::uint32_t firstSlot, Members among) const;
+    [[nodiscard]] std::uint32_t seenBy(std::uint32_t slot, const Line& line) const;
+    [[nodiscard]] bool endsAt(std::uint32_t from, std::uint32_t to) const;
+    Faces joinCorners(const Several& voxel, const Faces& faces);
+    [[nodiscard]] bool passes(std::uint32_t slot, float covered, float enough) const;
+    [[nodiscard]] Faces passedBy(const Several& voxel, const Faces& faces) const;
+    void wait(Line& line, std::uint32_t slot, std::uint16_t slice, std::int32_t reach, Members together, bool isPassed);
+    template<class EndOf>
+    void close(Line& line, std::uint16_t slice, bool isPassed, EndOf endOf);
+    void closeNear(Line& line, std::uint32_t slot, std::uint16_t slice, bool isPassed);
+    void closeSeveral(Line& line, const Several& voxel, Members facing, Members takers, bool isPassed);
+    void walkSeveral(const Several& voxel, Line& line);
+    void walkOnes(std::uint32_t first, std::uint32_t end, std::uint16_t slice);
+    void walkSlice(const LineNumbers& numbers, std::uint16_t slice);
+    void finish();
+    Line& lineAt(std::uint32_t number);
+    [[nodiscard]] std::int32_t reachOf(std::uint32_t slot) const;
 
     const SurfaceVoxels& voxels_;
     const VoxelOrders& orders_;
+    std::vector<Beside> beside_; // by entry
+    std::uint32_t none_;         // the slot after the last
+    const WalkOrder* order_ = nullptr;
     glm::vec3 along_{0.0f};
-    float perSlice_ = 1.0f; // cells along the line
-    float tube_ = 1.0f;     // m2: cross-section of the space that belongs to a line
-    std::uint32_t number_ = 0, stamp_ = 0;
+    float perSlice_ = 1.0f;               // cells along the line
+    float tube_ = 1.0f;                   // m2: cross-section of the space that belongs to a line
+    std::array<std::uint32_t, 3> keys_{}; // of what is drawn along this direction
+    std::uint16_t stamp_ = 0;
     std::vector<Line> lines_;
-    std::vector<Waiting> waiting_;        // by entry
-    std::vector<float> cosines_;          // by entry
+    std::vector<std::uint32_t> numbers_; // of lines, by slot of a slice, as the next two
+    std::vector<std::int32_t> kinds_;
+    std::vector<std::int32_t> reaches_;  // slices until a line has left the plane behind
+    std::vector<float> cosines_;         // by slot, as all that follows
+    std::vector<std::uint32_t> before_;  // of one that waits: the one before it in the chain
+    std::vector<std::uint32_t> chained_; // those that wait after others, in their order
+    std::size_t chainedCount_ = 0;
+    std::vector<Members> together_;       // of a voxel of several: those that wait, if they are several
+    std::vector<std::uint32_t> ends_;     // partners; none_ for none
     std::vector<std::uint32_t> partners_; // by entry
 };
 

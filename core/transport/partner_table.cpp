@@ -25,6 +25,19 @@ PartnerBlock::PartnerBlock(std::size_t entries)
         wide_ = std::make_unique_for_overwrite<std::uint32_t[]>(count);
 }
 
+PartnerBlock::PartnerBlock(std::size_t entries, std::span<const std::uint32_t> found) : PartnerBlock(entries)
+{
+    assert(found.size() == entries * kDirections);
+    const auto turn = [&]<class Number>(Number* rows) {
+        const auto nothing = static_cast<std::uint32_t>(entries);
+        for (std::size_t e = 0; e < entries; ++e, rows += kDirections) {
+            for (std::size_t i = 0; i < kDirections; ++i)
+                rows[i] = static_cast<Number>(std::min(found[i * entries + e], nothing));
+        }
+    };
+    narrow_ ? turn(narrow_.get()) : turn(wide_.get());
+}
+
 std::size_t PartnerBlock::bytesFor(std::size_t entries)
 {
     return entries * kDirections * (entries <= kMostNarrow ? sizeof(std::uint16_t) : sizeof(std::uint32_t));
@@ -34,15 +47,6 @@ std::uint32_t PartnerBlock::partner(std::size_t entry, std::size_t direction) co
 {
     const std::size_t at = entry * kDirections + direction;
     return narrow_ ? narrow_[at] : wide_[at];
-}
-
-void PartnerBlock::set(std::size_t entry, std::size_t direction, std::uint32_t partner)
-{
-    const std::size_t at = entry * kDirections + direction;
-    if (narrow_)
-        narrow_[at] = static_cast<std::uint16_t>(partner);
-    else
-        wide_[at] = partner;
 }
 
 std::unique_ptr<LinePartners> BlockWalker::takeLines()
@@ -56,22 +60,18 @@ std::unique_ptr<LinePartners> BlockWalker::takeLines()
 
 PartnerBlock BlockWalker::walk(std::size_t block)
 {
-    const auto nothing = static_cast<std::uint32_t>(voxels_.entries.size());
-    PartnerBlock rows(nothing);
+    const std::size_t entries = voxels_.entries.size(), first = block * PartnerBlock::kDirections;
+    std::vector<std::uint32_t> found(entries * PartnerBlock::kDirections, LinePartners::kNothing);
     std::unique_ptr<LinePartners> lines = takeLines();
-    for (std::size_t i = 0; i < PartnerBlock::kDirections; ++i) {
-        const std::size_t number = block * PartnerBlock::kDirections + i;
-        if (number >= directions_.size()) {
-            for (std::size_t e = 0; e < nothing; ++e) rows.set(e, i, nothing);
-            continue;
-        }
-        const std::span<std::uint32_t> partners = lines->find(directions_[number], static_cast<std::uint32_t>(number));
-        exact_.complete(directions_[number], partners);
-        for (std::size_t e = 0; e < nothing; ++e) rows.set(e, i, std::min(partners[e], nothing));
+    for (std::size_t i = 0; i < PartnerBlock::kDirections && first + i < directions_.size(); ++i) {
+        const LineDirection& direction = directions_[first + i];
+        const std::span<std::uint32_t> partners = lines->find(direction, static_cast<std::uint32_t>(first + i));
+        exact_.complete(direction, partners);
+        std::ranges::copy(partners, found.begin() + static_cast<std::ptrdiff_t>(i * entries));
     }
     const std::scoped_lock lock(mutex_);
     idle_.push_back(std::move(lines));
-    return rows;
+    return {entries, found};
 }
 
 std::size_t PartnerTable::bytesFor(std::size_t entries, int directions)
@@ -91,7 +91,7 @@ std::shared_ptr<const PartnerTable> PartnerTable::make(const RayScene& rays, con
     const std::shared_ptr<PartnerTable> table(new PartnerTable(entries, directions));
     const std::vector<LineDirection> set = directions > 0 ? directionSet(directions) : std::vector<LineDirection>{};
     BlockWalker walker(rays, voxels, orders, set);
-    for (std::size_t b = 0; b < blocksFor(directions); ++b) table->blocks_.emplace_back(entries);
+    for (std::size_t b = 0; b < blocksFor(directions); ++b) table->blocks_.emplace_back();
     std::atomic<std::size_t> done = 0;
     const bool all = workers.run(table->blocks_.size(), stop, [&](std::size_t b) {
         table->blocks_[b] = walker.walk(b);

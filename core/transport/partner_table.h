@@ -13,11 +13,12 @@ namespace lightloom {
 class PartnerBlock {
 public:
     static constexpr std::size_t kDirections = 16;
-    explicit PartnerBlock(std::size_t entries);
+    explicit PartnerBlock(std::size_t entries = 0);
+    /// From partners by direction, kDirections after another: `found[i * entries + e]`, beyond all entries for none.
+    PartnerBlock(std::size_t entries, std::span<const std::uint32_t> found);
     [[nodiscard]] static std::size_t bytesFor(std::size_t entries);
 
     [[nodiscard]] std::uint32_t partner(std::size_t entry, std::size_t direction) const;
-    void set(std::size_t entry, std::size_t direction, std::uint32_t partner);
     /// Calls `what` with the rows: row e is [e * kDirections, (e + 1) * kDirections).
     template<class Do>
     void withRows(Do what) const

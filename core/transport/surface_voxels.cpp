@@ -135,4 +135,29 @@ std::shared_ptr<const SurfaceVoxels> voxelise(const Bounds& bounds, const LightR
     return out;
 }
 
+SurfaceVoxels withMeanNormals(const SurfaceVoxels& voxels)
+{
+    SurfaceVoxels out = voxels;
+    out.entries.clear(), out.firstEntry.clear(), out.firstPiece.clear();
+    for (std::uint32_t v = 0; v < voxels.voxels.size(); ++v) {
+        const std::uint32_t first = voxels.firstEntry[v], end = voxels.firstEntry[v + 1];
+        Orientation mean{glm::vec3(0.0f), glm::vec3(0.0f), 0.0f};
+        for (std::uint32_t e = first; e < end; ++e) {
+            const Orientation& o = voxels.entries[e];
+            mean.centroid += o.area * (o.centroid - voxels.lattice.lowest);
+            mean.normal += o.area * o.normal;
+            mean.area += o.area;
+        }
+        mean.centroid = voxels.lattice.lowest + mean.centroid / mean.area;
+        const float length = glm::length(mean.normal);
+        mean.normal = length > 1e-3f * mean.area ? mean.normal / length : voxels.entries[first].normal;
+        out.firstEntry.push_back(static_cast<std::uint32_t>(out.entries.size()));
+        out.firstPiece.push_back(voxels.firstPiece[first]);
+        out.entries.push_back(mean);
+    }
+    out.firstEntry.push_back(static_cast<std::uint32_t>(out.entries.size()));
+    out.firstPiece.push_back(static_cast<std::uint32_t>(out.pieces.size()));
+    return out;
+}
+
 } // namespace lightloom

@@ -36,4 +36,8 @@ struct SurfaceVoxels {
 [[nodiscard]] std::shared_ptr<const SurfaceVoxels> voxelise(const Bounds& bounds, const LightReach& reach, int cells,
                                                             float shift, Workers& workers, const std::stop_token& stop);
 
+/// The papers' form: one entry per voxel, with the mean normal of its surface (of two sheets back to back, the larger
+/// one's). A wall thinner than a voxel leaks in it.
+[[nodiscard]] SurfaceVoxels withMeanNormals(const SurfaceVoxels& voxels);
+
 } // namespace lightloom

@@ -77,7 +77,7 @@ private:
     }
     [[nodiscard]] bool walk(std::size_t first, std::size_t end, std::vector<PartnerBlock>& walked)
     {
-        for (std::size_t b = first; b < end; ++b) walked.emplace_back(0);
+        for (std::size_t b = first; b < end; ++b) walked.emplace_back();
         return workers_.run(end - first, stop_, [&](std::size_t i) { walked[i] = walker_.walk(first + i); });
     }
     [[nodiscard]] bool gatherBlocks(std::span<LightStrip> strips, std::span<const LineDirection> set, std::size_t first,

@@ -19,6 +19,74 @@ void sortBy(std::uint16_t VoxelPlace::*digit, int cells, std::vector<VoxelPlace>
     places.swap(spare);
 }
 
+/// Which way a normal faces: one of 24 parts of the sphere.
+std::size_t facing(glm::vec3 n)
+{
+    const glm::vec3 size = glm::abs(n);
+    const std::size_t axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    return axis * 8 + std::size_t(n.x < 0.0f) * 4 + std::size_t(n.y < 0.0f) * 2 + std::size_t(n.z < 0.0f);
+}
+
+/// Lays the entries of voxels that are in order into slots.
+class SlotFiller {
+public:
+    SlotFiller(const SurfaceVoxels& voxels, WalkOrder& order) : voxels_(voxels), order_(order)
+    {
+        const std::size_t slots = voxels.entries.size() + WalkOrder::kSpare;
+        for (std::vector<std::uint32_t>* field : {&order.entry, &order.voxel, &order.uv}) field->resize(slots);
+        order.slice.resize(slots), order.planes.resize(slots);
+        for (std::vector<float>* field : {&order.x, &order.y, &order.z, &order.area}) field->resize(slots);
+    }
+
+    void fill()
+    {
+        const std::vector<VoxelPlace>& places = order_.places;
+        std::size_t first = 0, end = 0;
+        for (int slice = 0; slice < voxels_.cells; ++slice, first = end) {
+            while (end < places.size() && places[end].slice == slice) ++end;
+            fillSlice(std::span(places).subspan(first, end - first));
+        }
+        order_.firstSlot.push_back(next_);
+        std::fill(order_.entry.begin() + next_, order_.entry.end(), WalkOrder::kNoEntry);
+    }
+
+private:
+    static constexpr std::size_t kSeveral = 24;
+    [[nodiscard]] std::size_t kindOf(const VoxelPlace& place) const
+    {
+        const std::uint32_t first = voxels_.firstEntry[place.voxel];
+        return voxels_.firstEntry[place.voxel + 1] - first == 1 ? facing(voxels_.entries[first].normal) : kSeveral;
+    }
+    void fillSlice(std::span<const VoxelPlace> places)
+    {
+        std::array<std::vector<VoxelPlace>, kSeveral + 1>& kinds = byKind_;
+        for (std::vector<VoxelPlace>& kind : kinds) kind.clear();
+        for (const VoxelPlace& place : places) kinds[kindOf(place)].push_back(place);
+        order_.firstSlot.push_back(next_);
+        for (std::size_t k = 0; k <= kSeveral; ++k) {
+            if (k == kSeveral) order_.firstOfSeveral.push_back(next_);
+            for (const VoxelPlace& place : kinds[k]) fillVoxel(place);
+        }
+    }
+    void fillVoxel(const VoxelPlace& place)
+    {
+        for (std::uint32_t e = voxels_.firstEntry[place.voxel]; e < voxels_.firstEntry[place.voxel + 1]; ++e, ++next_) {
+            const Orientation& o = voxels_.entries[e];
+            order_.entry[next_] = e, order_.voxel[next_] = place.voxel, order_.area[next_] = o.area;
+            order_.slice[next_] = place.slice;
+            const glm::vec3 at = (o.centroid - voxels_.lattice.lowest) / voxels_.cellSize();
+            order_.planes[next_] = {at, glm::dot(at, o.normal), o.normal, static_cast<float>(place.slice)};
+            order_.uv[next_] = place.u | static_cast<std::uint32_t>(place.v) << 16;
+            order_.x[next_] = o.normal.x, order_.y[next_] = o.normal.y, order_.z[next_] = o.normal.z;
+        }
+    }
+
+    const SurfaceVoxels& voxels_;
+    WalkOrder& order_;
+    std::uint32_t next_ = 0;
+    std::array<std::vector<VoxelPlace>, kSeveral + 1> byKind_;
+};
+
 /// floor(-step * slice / largest + 1/2), largest > 0.
 int stepsAside(int step, int slice, int largest)
 {
@@ -33,17 +101,29 @@ VoxelOrders::VoxelOrders(const SurfaceVoxels& voxels)
     static_assert(kMostVoxels <= 65'536);
     std::vector<VoxelPlace> spare;
     for (int axis = 0; axis < 3; ++axis) {
-        std::vector<VoxelPlace>& places = orders_[static_cast<std::size_t>(axis)];
-        places.reserve(voxels.voxels.size());
+        WalkOrder& order = orders_[static_cast<std::size_t>(axis)];
+        order.places.reserve(voxels.voxels.size());
         for (std::uint32_t i = 0; i < voxels.voxels.size(); ++i) {
             const glm::ivec3 cell = voxels.voxels[i];
             assert(glm::all(glm::greaterThanEqual(cell, glm::ivec3(0))) &&
                    glm::all(glm::lessThan(cell, glm::ivec3(voxels.cells))));
             const auto at = [&](int a) { return static_cast<std::uint16_t>(cell[a % 3]); };
-            places.push_back({at(axis), at(axis + 1), at(axis + 2), i});
+            order.places.push_back({at(axis), at(axis + 1), at(axis + 2), i});
         }
-        for (const auto digit : kDigits) sortBy(digit, voxels.cells, places, spare);
+        for (const auto digit : kDigits) sortBy(digit, voxels.cells, order.places, spare);
+        SlotFiller(voxels, order).fill();
     }
+}
+
+std::size_t VoxelOrders::memoryBytes() const
+{
+    std::size_t bytes = 0;
+    for (const WalkOrder& order : orders_) {
+        constexpr std::size_t kSlot =
+            3 * sizeof(std::uint32_t) + sizeof(std::uint16_t) + 4 * sizeof(float) + sizeof(Plane);
+        bytes += order.places.size() * sizeof(VoxelPlace) + order.entry.size() * kSlot;
+    }
+    return bytes;
 }
 
 LineNumbers::LineNumbers(const LineDirection& direction, int cells)

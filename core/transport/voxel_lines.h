@@ -12,15 +12,43 @@ struct VoxelPlace {
     std::uint32_t voxel;
 };
 
+/// Where an entry lies, in cells from the corner of the lattice.
+struct alignas(32) Plane {
+    glm::vec3 centroid;
+    float place; ///< of the centroid along the normal
+    glm::vec3 normal;
+    float slice;
+    /// How far another one's centroid lies before this plane.
+    [[nodiscard]] float before(const Plane& other) const { return glm::dot(other.centroid, normal) - place; }
+};
+
+/// The entries of all voxels in the order in which a walk meets them, field by field, each in a slot of its own. Slice
+/// after slice; a line has one voxel in a slice at most, so that the order within one is free: voxels of one entry come
+/// first, by what they face, as walls do that are walked alike; then those of several, the entries of each together.
+struct WalkOrder {
+    static constexpr std::size_t kSpare = 8;               ///< slots at the end of each field that hold nothing
+    static constexpr std::uint32_t kNoEntry = 0xFFFFFFFFu; ///< what these have as entry
+    std::vector<VoxelPlace> places;                        ///< of the voxels, in lexicographic order
+    std::vector<std::uint32_t> firstSlot;                  ///< by slice; one more at the end
+    std::vector<std::uint32_t> firstOfSeveral;             ///< by slice: the first slot of a voxel of several entries
+    std::vector<std::uint32_t> entry, voxel;               ///< by slot, as all that follows
+    std::vector<std::uint32_t> uv;                         ///< u in the lower half, v in the upper
+    std::vector<std::uint16_t> slice;
+    std::vector<float> x, y, z; ///< normals
+    std::vector<float> area;    ///< m2
+    std::vector<Plane> planes;
+};
+
 /// Voxels in three lexicographic orders, one per axis (that axis first): voxels of any line that follows an axis most
 /// come one after the other in its order. Sorted once, by radix, O(voxels).
 class VoxelOrders {
 public:
     explicit VoxelOrders(const SurfaceVoxels& voxels);
-    [[nodiscard]] std::span<const VoxelPlace> along(int axis) const { return orders_[static_cast<std::size_t>(axis)]; }
+    [[nodiscard]] const WalkOrder& along(int axis) const { return orders_[static_cast<std::size_t>(axis)]; }
+    [[nodiscard]] std::size_t memoryBytes() const;
 
 private:
-    std::array<std::vector<VoxelPlace>, 3> orders_;
+    std::array<WalkOrder, 3> orders_;
 };
 
 /// The partition of a cube of cells into discrete lines of one direction (Debled-Rennesson 1995; papers of 2006 and
@@ -36,6 +64,9 @@ public:
         return place.u * width_ + place.v + offsets_[place.slice];
     }
     [[nodiscard]] std::uint32_t count() const { return count_; }
+    /// Its two parts: a line's number is that of its place in the slice, u * width() + v, plus offset(slice).
+    [[nodiscard]] std::uint32_t width() const { return width_; }
+    [[nodiscard]] std::uint32_t offset(int slice) const { return offsets_[static_cast<std::size_t>(slice)]; }
 
 private:
     std::uint32_t width_ = 0, count_ = 0;
