@@ -2,10 +2,11 @@
 #pragma once
 #include "core/base/units.h"
 #include "core/lightcuts/lightcut.h"
+#include "core/trace/direct_light.h"
 #include "core/trace/material.h"
 #include "core/transport/first_light.h"
 #include <algorithm>
-#include <stdexcept>
+#include <numeric>
 
 /// A scene's multi-bounce light on voxels as discs, and the voxels looked up near by: what a method that stands on
 /// lightcuts has, in its simplest form. For tests and benches.
@@ -64,6 +65,8 @@ private:
 struct VoxelLights {
     std::shared_ptr<const SurfaceVoxels> voxels;
     std::vector<glm::vec3> direct, indirect; ///< lux, by entry
+    std::vector<glm::vec3> soft;             ///< of `direct`, what comes from glowing surfaces
+    Mix sharp;                               ///< 1 for lamps that throw sharp shadows, 0 for glowing surfaces
     std::vector<DiscLight> discs;            ///< by entry
     std::vector<glm::vec3> exitance;         ///< lm/m2, by entry
 
@@ -72,10 +75,18 @@ struct VoxelLights {
         : voxels(voxelise(rays.scene().bounds, reach, cells, shift, workers, {}))
     {
         const std::vector<glm::vec3> albedo = entryAlbedos(rays, reach, *voxels);
-        const EntryValues first = firstLight(lights, reach, *voxels, 4, 1, workers, {});
+        std::vector<int> groups(rays.scene().groups.size());
+        std::iota(groups.begin(), groups.end(), 0);
+        const EntryValues first = firstLight(lights, reach, *voxels, groups, 4, 1, workers, {});
         BounceParams params;
         params.directions = directions;
         direct = allLamps(first);
+        sharp.assign(rays.scene().groups.size(), glm::vec3(1.0f));
+        for (const Emitter& emitter : lights.emitters()) {
+            if (emitter.kind == Emitter::Kind::surface)
+                sharp[static_cast<std::size_t>(emitter.group)] = glm::vec3(0.0f);
+        }
+        soft = allLamps(first, sharp);
         indirect = allLamps(
             bounceLight(rays, *voxels, VoxelOrders(*voxels), reflected(first, albedo), albedo, params, workers, {}));
         for (std::size_t e = 0; e < albedo.size(); ++e) {
@@ -90,31 +101,41 @@ struct VoxelLights {
     }
 
 private:
-    static std::vector<glm::vec3> allLamps(const EntryValues& lux)
+    static std::vector<glm::vec3> allLamps(const EntryValues& lux, const Mix& without = {})
     {
+        const auto channels = static_cast<std::size_t>(lux.channels);
         std::vector<glm::vec3> sums(lux.entries(), glm::vec3(0.0f));
-        for (std::size_t i = 0; i < lux.values.size(); ++i)
-            sums[i / static_cast<std::size_t>(lux.channels)][static_cast<int>(i % 3)] += lux.values[i];
+        for (std::size_t i = 0; i < lux.values.size(); ++i) {
+            if (without.empty() || without[i % channels / 3] == glm::vec3(0.0f))
+                sums[i / channels][static_cast<int>(i % 3)] += lux.values[i];
+        }
         return sums;
     }
 };
 
-/// What rays meet: the surface's own colour under the light of its voxels.
+/// What rays meet: the surface's own colour under the light of its voxels. Where it gets `lamps` light of those that
+/// throw sharp shadows is taken exactly instead.
 class EntryNearField final : public NearField {
 public:
-    EntryNearField(std::shared_ptr<const RayScene> rays, const VoxelLights& lights)
-        : rays_(std::move(rays)), lookup_(lights.voxels), lux_(lights.direct)
+    EntryNearField(std::shared_ptr<const RayScene> rays, const VoxelLights& lights, const LightSampler* lamps = nullptr)
+        : rays_(std::move(rays)), lamps_(lamps), sharp_(lights.sharp), lookup_(lights.voxels),
+          lux_(lamps ? lights.soft : lights.direct)
     {
         for (std::size_t e = 0; e < lux_.size(); ++e) lux_[e] += lights.indirect[e];
     }
     [[nodiscard]] glm::vec3 exitance(const Hit& hit) const override
     {
         const Surface surface = surfaceAt(*rays_, hit);
-        return (surface.diffuse + surface.specular) * lookup_.at(hit.position, hit.facing(), lux_);
+        glm::vec3 lux = lookup_.at(hit.position, hit.facing(), lux_);
+        Rng unused(0, 0, 0);
+        if (lamps_) lux += directIlluminance(*rays_, *lamps_, sharp_, hit.position, hit.facing(), 1, unused);
+        return (surface.diffuse + surface.specular) * lux;
     }
 
 private:
     std::shared_ptr<const RayScene> rays_;
+    const LightSampler* lamps_;
+    Mix sharp_;
     EntryLookup lookup_;
     std::vector<glm::vec3> lux_;
 };

@@ -128,7 +128,10 @@ DiscLight LightTree::meanOf(std::uint32_t child) const
     if (!(other > 0.0f)) return a;
     if (!(one > 0.0f)) return b;
     const float t = other / (one + other), s = 1.0f - t;
-    return {s * a.position + t * b.position, s * a.area + t * b.area, s * a.normal + t * b.normal};
+    // a square has six times the mean squared distance from its middle; that of both is of each, and of their middles
+    const glm::vec3 apart = b.position - a.position;
+    const float area = s * a.area + t * b.area + 6.0f * s * t * glm::dot(apart, apart);
+    return {s * a.position + t * b.position, area, s * a.normal + t * b.normal};
 }
 
 LightNode LightTree::leaf(std::uint32_t light) const

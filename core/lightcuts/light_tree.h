@@ -39,8 +39,8 @@ public:
 
     /// The root first, none without lights. Halves come after their cluster.
     [[nodiscard]] std::span<const LightNode> nodes() const { return nodes_; }
-    /// All of a cluster as if it were in one place, by node: its middle, its mean normal (shorter than 1 where normals
-    /// differ) and the mean area of its lights, all weighted by flux. Never sends more than `ClusterBound` says.
+    /// All of a cluster as if it were one flat piece of surface, by node: its middle and mean normal, weighted by flux
+    /// (shorter than 1 where normals differ), and the area of a square over which light would be spread as widely.
     [[nodiscard]] const DiscLight& mean(std::size_t node) const { return means_[node]; }
     /// In the order of the tree: those of a cluster come one after the other.
     [[nodiscard]] std::span<const DiscLight> lights() const { return split_->lights; }

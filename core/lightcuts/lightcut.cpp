@@ -9,9 +9,12 @@ namespace {
 /// Cells: rays alone up to here, discs alone from there. Between 1.5 to 2.5 and 2 to 4 nothing depends on it.
 constexpr float kNearFrom = 1.5f, kNearTo = 3.0f;
 /// Errors of clusters add up by the root of their number. In larger cuts each may be off by so much less.
-constexpr int kFewNodes = 300;
+constexpr int kFewNodes = 400;
 
-bool isPlace(const Receiver& at) { return isFinite(at.position) && isFinite(at.normal); }
+bool isPlace(const Receiver& at)
+{
+    return isFinite(at.position) && isFinite(at.normal) && at.normal != glm::vec3(0.0f);
+}
 
 } // namespace
 
@@ -88,11 +91,11 @@ private:
     Cluster look(const Lights& lights, std::uint32_t number, Standing standing)
     {
         const LightNode& node = lights.tree->nodes()[number];
-        const float bound = luminance(node.flux) * lights.bounds.transfer(node);
-        if (!(bound > 0.0f)) return {0.0f, 0.0f, number, false, {}}; // nothing of it arrives here
+        const float most = lights.bounds.transfer(node), light = luminance(node.flux);
+        if (!(most * light > 0.0f)) return {0.0f, 0.0f, number, false, {}}; // nothing of it arrives here
         standing.isInView = standing.isInView || lights.bounds.isInView(node);
-        const float transfer = transferFrom(lights, number, standing);
-        return {bound, transfer, number, &lights == &lamps_, standing};
+        const float transfer = std::min(most, transferFrom(lights, number, standing));
+        return {most * light, transfer, number, &lights == &lamps_, standing};
     }
 
     /// Adds a cluster to the cut.
@@ -114,8 +117,11 @@ private:
     /// that light says all.
     float transferFrom(const Lights& lights, std::uint32_t number, Standing& standing)
     {
-        const DiscLight& stands = lights.tree->lights()[lights.tree->nodes()[number].chosen];
-        const float transfer = discTransfer(at_, standing.isInView ? lights.tree->mean(number) : stands, lights.near);
+        const LightNode& node = lights.tree->nodes()[number];
+        const DiscLight& stands = lights.tree->lights()[node.chosen];
+        const float transfer = standing.isInView && !node.isLeaf()
+                                   ? meanTransfer(at_, lights.tree->mean(number), lights.near)
+                                   : discTransfer(at_, stands, lights.near);
         if (!(transfer > 0.0f)) return 0.0f;
         if (!standing.isLookedFor) {
             ++result_.shadowRays;
@@ -125,20 +131,15 @@ private:
         return standing.isHidden ? 0.0f : transfer;
     }
 
-    /// Where the light of a cluster seems to be.
-    static const DiscLight& placeOf(const Lights& lights, std::uint32_t number, const Standing& standing)
-    {
-        return standing.isInView ? lights.tree->mean(number)
-                                 : lights.tree->lights()[lights.tree->nodes()[number].chosen];
-    }
-
     void take(const Cluster& cluster)
     {
         const Lights& lights = lightsOf(cluster);
-        const glm::vec3 lux = lights.tree->nodes()[cluster.node].flux * cluster.transfer;
+        const LightNode& node = lights.tree->nodes()[cluster.node];
+        const glm::vec3 lux = node.flux * cluster.transfer;
         sum_ += glm::dvec3(lux);
         if (seen_ && cluster.transfer > 0.0f) {
-            const DiscLight& place = placeOf(lights, cluster.node, cluster.standing);
+            const DiscLight& place =
+                cluster.standing.isInView ? lights.tree->mean(cluster.node) : lights.tree->lights()[node.chosen];
             seen_->push_back({glm::normalize(place.position - at_.position), lux});
         }
     }

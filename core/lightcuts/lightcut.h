@@ -6,7 +6,7 @@
 namespace lightloom {
 
 struct LightcutParams {
-    /// Share of a place's illuminance that each cluster may be off by at most; in cuts of more than 300 it is less, by
+    /// Share of a place's illuminance that each cluster may be off by at most; in cuts of more than 400 it is less, by
     /// the root of their number, as their errors add up. The light is off by about as much as the threshold: .7 to 1.6
     /// times it, RMS. 0: every light alone.
     float threshold = 0.02f;
