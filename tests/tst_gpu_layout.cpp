@@ -195,9 +195,9 @@ private Q_SLOTS:
         QFETCH(bool, isTilted);
         BakeParams params;
         params.octreeShow = static_cast<OctreeShow>(show);
-        const auto exact = shownField(baked_, params);
+        const auto exact = shownField(baked_, params, nullptr);
         params.octreeValues = OctreeValues::packed;
-        const auto packed = shownField(baked_, params);
+        const auto packed = shownField(baked_, params, nullptr);
         QVERIFY(exact && packed);
         Rng rng(5, 6, 7);
         std::vector<double> errors;
@@ -230,7 +230,7 @@ private Q_SLOTS:
     {
         BakeParams params;
         params.octreeShow = OctreeShow::colour;
-        const auto colour = std::dynamic_pointer_cast<const LightOctree>(*shownField(baked_, params));
+        const auto colour = std::dynamic_pointer_cast<const LightOctree>(*shownField(baked_, params, nullptr));
         QVERIFY(colour);
         const auto gpu = makeGpuOctree(*colour);
         QVERIFY(gpu);

@@ -154,7 +154,7 @@ namespace {
 
 Result<Lighting> withShown(Lighting lighting)
 {
-    Result<std::shared_ptr<const IndirectField>> shown = shownField(lighting.field, lighting.params);
+    Result<std::shared_ptr<const IndirectField>> shown = shownField(lighting.field, lighting.params, lighting.lit.rays);
     if (!shown) return shown.error();
     lighting.shown = *std::move(shown);
     return lighting;

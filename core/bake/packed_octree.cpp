@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/bake/packed_octree.h"
 #include "core/ivg/ivg_solver.h"
+#include "core/voxel/voxel_cuts.h"
 #include "shaders/common.h"
 #include <cassert>
 #include <cmath>
@@ -82,8 +83,14 @@ std::shared_ptr<const IndirectField> PackedOctree::withMix(Mix mix) const
 }
 
 Result<std::shared_ptr<const IndirectField>> shownField(std::shared_ptr<const IndirectField> field,
-                                                        const BakeParams& params)
+                                                        const BakeParams& params,
+                                                        const std::shared_ptr<const RayScene>& rays)
 {
+    if (const auto voxels = std::dynamic_pointer_cast<const VoxelField>(field)) {
+        const VoxelShow show = voxelShow(params);
+        if (show.lookup == VoxelLookup::field) return field;
+        return std::shared_ptr<const IndirectField>(std::make_shared<VoxelCuts>(voxels, rays, show));
+    }
     if (const auto grid = std::dynamic_pointer_cast<const IrradianceGrid>(field)) {
         const GridShow show = gridShow(params);
         if (grid->show() == show) return field;

@@ -20,7 +20,11 @@ View continueView(const RayScene& rays, const LightSampler& lights, const Mix& m
         };
     };
     const std::function<void(double)> first = part(0.0, byPhotons ? 0.5 : 1.0), second = part(0.5, 1.0);
-    const ViewPass pass{eye, job, Lens(job), workers, stop, first};
+    ViewPass pass{eye, job, Lens(job), workers, stop, first};
+    if (job.indirect == ViewJob::Indirect::field && field->isCostly() && !job.finalGather) {
+        state.middles.resize(pass.pixelCount());
+        pass.middles = &state.middles;
+    }
     View view = job.targetError > 0.0f ? adaptiveView(pass, state.ended) : evenView(pass, state.pixels);
     if (!byPhotons) return view;
     const ViewPass photons{eye, job, Lens(job), workers, stop, second};

@@ -54,12 +54,26 @@ struct PixelLight {
 struct CausticPixel {
     glm::dvec3 sum{0.0}, squares{0.0}; ///< of the rounds' radiances, cd/m2
 };
+/// Indirect light on the surface in the middle of a pixel, for fields that are costly to ask: all samples of the pixel
+/// that see this surface take it.
+struct MiddleLight {
+    bool isKnown = false, isThere = false; ///< looked for; found
+    glm::vec3 position{0.0f}, normal{0.0f}, lux{0.0f};
+    /// Whether a place is on the same surface, or on one that bends little.
+    [[nodiscard]] bool isFor(glm::vec3 p, glm::vec3 n, float rounding) const
+    {
+        const glm::vec3 way = p - position;
+        return isThere && glm::dot(n, normal) > 0.95f &&
+               glm::abs(glm::dot(way, normal)) <= 0.2f * glm::length(way) + rounding;
+    }
+};
 /// All that a run has found so far. Plain data: kept in files, and gone on with to the same bits.
 struct ViewState {
     std::vector<PixelSums> pixels;      ///< of a job without a target, rows from the top
     std::vector<PixelLight> ended;      ///< of a job with one
     std::vector<CausticPixel> caustics; ///< empty where the scene has no such light
     std::uint64_t causticRounds = 0;
+    std::vector<MiddleLight> middles; ///< of a costly field, by pixel; what is not there is found again
 };
 
 /// Camera rays start at the camera's near plane; outside the scene is black. Seen directly or in mirrors, a surface

@@ -16,10 +16,23 @@ Eye::Eye(const RayScene& rays, const LightSampler& lights, const Mix& mix, const
     : rays_(rays), lights_(lights), mix_(mix), field_(field), job_(job), directSamples_(share(job.directSamples)),
       gatherRays_(share(job.gatherRays)), paths_(rays, lights, mix, byPhotons)
 {
-    if (field_) cached_ = [this](glm::vec3 p, glm::vec3 n, glm::vec3& lux) { return field_->lookup(p, n, lux); };
+    if (field_) cached_ = [this](glm::vec3 p, glm::vec3 n, glm::vec3& lux) { return field_->lookupQuick(p, n, lux); };
 }
 
-Radiance Eye::along(glm::vec3 origin, glm::vec3 travel, Rng& rng) const
+MiddleLight Eye::middle(glm::vec3 origin, glm::vec3 travel) const
+{
+    MiddleLight found;
+    found.isKnown = true;
+    Hit hit;
+    if (!rays_.intersect(origin, travel, std::numeric_limits<float>::infinity(), hit)) return found;
+    found.position = hit.position;
+    found.normal = hit.facing();
+    found.isThere = surfaceAt(rays_, hit).diffuse != glm::vec3(0.0f) && //
+                    field_->lookup(found.position, found.normal, found.lux);
+    return found;
+}
+
+Radiance Eye::along(glm::vec3 origin, glm::vec3 travel, Rng& rng, const MiddleLight* middle) const
 {
     Radiance seen;
     glm::vec3 throughput(1.0f);
@@ -31,7 +44,7 @@ Radiance Eye::along(glm::vec3 origin, glm::vec3 travel, Rng& rng) const
         const Surface surface = surfaceAt(rays_, hit);
         if (medium.absorbs(hit, surface)) throughput *= medium.transmittance(hit, surface);
         const glm::vec3 n = hit.facing();
-        const Radiance here = leaving(hit, surface, n, -travel, !isGlossy, rng);
+        const Radiance here = leaving(hit, surface, n, -travel, !isGlossy, rng, bounce == 0 ? middle : nullptr);
         seen.indirect += throughput * (isGlossy ? here.direct + here.indirect : here.indirect);
         if (!isGlossy) seen.direct += throughput * here.direct;
         seen.emitted += throughput * here.emitted;
@@ -56,8 +69,8 @@ Radiance Eye::along(glm::vec3 origin, glm::vec3 travel, Rng& rng) const
 }
 
 /// `isStraight`: seen without a gloss in between, so that emission counts and what lamps send counts as direct.
-Radiance Eye::leaving(const Hit& hit, const Surface& surface, glm::vec3 n, glm::vec3 toEye, bool isStraight,
-                      Rng& rng) const
+Radiance Eye::leaving(const Hit& hit, const Surface& surface, glm::vec3 n, glm::vec3 toEye, bool isStraight, Rng& rng,
+                      const MiddleLight* middle) const
 {
     Radiance light;
     const glm::vec3 p = hit.position;
@@ -73,12 +86,17 @@ Radiance Eye::leaving(const Hit& hit, const Surface& surface, glm::vec3 n, glm::
     const glm::vec3 matt = surface.diffuse / kPi;
     if (wantsDirect) light.direct += matt * directIlluminance(rays_, lights_, mix_, p, n, directSamples_, rng);
     if (!field_ || job_.indirect != ViewJob::Indirect::field) return light;
-    glm::vec3 lux(0.0f);
-    if (job_.finalGather || !field_->lookup(p, n, lux)) {
-        lux = gatherIndirect(rays_, lights_, mix_, cached_, p, n, gatherRays_, 1, rng);
-    }
-    light.indirect += matt * lux;
+    light.indirect += matt * indirectLux(p, n, rng, middle);
     return light;
+}
+
+glm::vec3 Eye::indirectLux(glm::vec3 p, glm::vec3 n, Rng& rng, const MiddleLight* middle) const
+{
+    if (middle && middle->isFor(p, n, 8.0f * rays_.offset())) return middle->lux;
+    glm::vec3 lux(0.0f);
+    if (job_.finalGather || !field_->lookup(p, n, lux))
+        lux = gatherIndirect(rays_, lights_, mix_, cached_, p, n, gatherRays_, 1, rng);
+    return lux;
 }
 
 Lens::Lens(const ViewJob& job)

@@ -21,12 +21,17 @@ public:
     Eye(const Eye&) = delete; // cached_ points here
     Eye& operator=(const Eye&) = delete;
 
-    [[nodiscard]] Radiance along(glm::vec3 origin, glm::vec3 travel, Rng& rng) const;
+    /// `middle` where given: light that is known already, for the first surface met.
+    [[nodiscard]] Radiance along(glm::vec3 origin, glm::vec3 travel, Rng& rng,
+                                 const MiddleLight* middle = nullptr) const;
+    /// What a ray through the middle of a pixel meets, and the field's light there.
+    [[nodiscard]] MiddleLight middle(glm::vec3 origin, glm::vec3 travel) const;
 
 private:
     [[nodiscard]] int share(int perPixel) const { return glm::max(1, (perPixel + job_.samples - 1) / job_.samples); }
     [[nodiscard]] Radiance leaving(const Hit& hit, const Surface& surface, glm::vec3 n, glm::vec3 toEye,
-                                   bool isStraight, Rng& rng) const;
+                                   bool isStraight, Rng& rng, const MiddleLight* middle) const;
+    [[nodiscard]] glm::vec3 indirectLux(glm::vec3 p, glm::vec3 n, Rng& rng, const MiddleLight* middle) const;
 
     const RayScene& rays_;
     const LightSampler& lights_;

@@ -34,10 +34,15 @@ Radiance ViewPass::sample(std::size_t pixel, std::uint64_t number, int perBatch)
 {
     Rng rng(job.seed, mixBits(kViewStream + pixel), number);
     const auto width = static_cast<std::size_t>(job.width);
+    const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
     glm::vec3 origin, travel;
-    lens.ray(static_cast<int>(pixel % width), static_cast<int>(pixel / width),
-             placeInPixel(job, pixel, number, perBatch), origin, travel);
-    return eye.along(origin, travel, rng);
+    MiddleLight* const middle = middles ? &(*middles)[pixel] : nullptr;
+    if (middle && !middle->isKnown) {
+        lens.ray(x, y, glm::vec2(0.5f), origin, travel);
+        *middle = eye.middle(origin, travel);
+    }
+    lens.ray(x, y, placeInPixel(job, pixel, number, perBatch), origin, travel);
+    return eye.along(origin, travel, rng, middle);
 }
 
 View evenView(const ViewPass& pass, std::vector<PixelSums>& pixels)

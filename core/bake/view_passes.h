@@ -13,6 +13,7 @@ struct ViewPass {
     Workers& workers;
     const std::stop_token& stop;
     const std::function<void(double)>& progress;
+    std::vector<MiddleLight>* middles = nullptr; ///< of all pixels; null: each sample asks the field
 
     [[nodiscard]] std::size_t pixelCount() const
     {

@@ -15,7 +15,7 @@ FieldProbe::FieldProbe(const RayScene& rays, const LightSampler& lights, const I
     : rays_(rays), lights_(lights), field_(field), seed_(params.seed), directSamples_(params.directSamples),
       probeRays_(params.probeRays)
 {
-    cached_ = [this](glm::vec3 p, glm::vec3 n, glm::vec3& lux) { return field_->lookup(p, n, lux); };
+    cached_ = [this](glm::vec3 p, glm::vec3 n, glm::vec3& lux) { return field_->lookupQuick(p, n, lux); };
 }
 
 glm::vec3 FieldProbe::direct(const ProbePoint& point) const

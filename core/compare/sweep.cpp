@@ -95,14 +95,14 @@ private:
         const BakeJob job{plan_.scene, params, {}, plan_.isa};
         products_.beginRound();
         if (const Result<Done> done = solver_->bake(job, products_, inner); !done) return done.error();
-        const Result<std::shared_ptr<const IndirectField>> shown = shownField(field, params);
-        if (!shown) return shown.error();
-        field = *shown;
         SeedResult result;
         result.stages = products_.counters.stages;
-        result.fieldMiB = static_cast<double>(field->memoryBytes()) / kMiB;
         const Result<SceneProducts> at = sceneProducts(job, products_, inner); // finds what the solver left
         if (!at) return at.error();
+        const Result<std::shared_ptr<const IndirectField>> shown = shownField(field, params, at->rays);
+        if (!shown) return shown.error();
+        field = *shown;
+        result.fieldMiB = static_cast<double>(field->memoryBytes()) / kMiB;
         const FieldProbe probe(*at->rays, *at->lights, field.get(), params);
         const auto light = probe.indirect(judge_.points, control_.workers(), control_.stop(),
                                           [&](double f) { tell(Stage::show, from + 0.45 + 0.05 * f); });

@@ -20,6 +20,11 @@ public:
     /// from; what is biased alike everywhere (blur, say) does not show in it. Nothing where there is no answer, or
     /// where the method cannot tell.
     [[nodiscard]] virtual std::optional<float> noise(glm::vec3 /*p*/, glm::vec3 /*n*/) const { return {}; }
+    /// Whether a lookup traces rays (some .1 ms): whoever makes pictures then asks once for all that a pixel shows of a
+    /// surface.
+    [[nodiscard]] virtual bool isCostly() const { return false; }
+    /// The same for the ends of a gather's rays, which ask for many places: never costly.
+    [[nodiscard]] virtual bool lookupQuick(glm::vec3 p, glm::vec3 n, glm::vec3& lux) const { return lookup(p, n, lux); }
     /// The same layers under another mix (one gain per light group; missing ones count as 1). Cheap: layers are shared.
     [[nodiscard]] virtual std::shared_ptr<const IndirectField> withMix(Mix mix) const = 0;
     [[nodiscard]] virtual std::string_view method() const = 0;

@@ -13,6 +13,7 @@ struct LightcutParams {
     int mostNodes = 2000; ///< clusters in a cut, and lights; 0: any number
     int nearRays = 64;
     std::uint64_t seed = 1; ///< of the near rays
+    bool operator==(const LightcutParams&) const = default;
 };
 
 /// What the light at one place was made from.

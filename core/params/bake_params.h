@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "core/params/grid_choices.h"
+#include "core/params/voxel_choices.h"
 #include <array>
 #include <cstdint>
 #include <span>
@@ -67,6 +68,11 @@ struct BakeParams {
     int voxelDirections = 512;
     float voxelGain = 0.005f;
     int voxelPartnerMemory = 512;
+    VoxelLookup voxelLookup = VoxelLookup::lightcuts;
+    float voxelThreshold = 0.02f;
+    int voxelCut = 2000;
+    int voxelNear = 64;
+    int voxelLights = 256;
     int vdlCount = 4;
     float vdlTolerance = 0.0f;
     VdlForm vdlForm = VdlForm::corrected;
@@ -101,11 +107,12 @@ enum MethodBit : unsigned {
 
 /// One parameter: the only description of it. Command line, panels, files and the manual loop over `kParams`.
 struct ParamSpec {
-    using Field = std::variant<int BakeParams::*, float BakeParams::*, std::uint64_t BakeParams::*,
-                               GatherKernel BakeParams::*, GatherArea BakeParams::*, GatherFit BakeParams::*,
-                               Switch BakeParams::*, VdlForm BakeParams::*, OctreeShow BakeParams::*,
-                               OctreeValues BakeParams::*, PhotonLookup BakeParams::*, GridEstimator BakeParams::*,
-                               GridRemap BakeParams::*, GridFilter BakeParams::*, GridNest BakeParams::*>;
+    using Field =
+        std::variant<int BakeParams::*, float BakeParams::*, std::uint64_t BakeParams::*, GatherKernel BakeParams::*,
+                     GatherArea BakeParams::*, GatherFit BakeParams::*, Switch BakeParams::*, VdlForm BakeParams::*,
+                     OctreeShow BakeParams::*, OctreeValues BakeParams::*, PhotonLookup BakeParams::*,
+                     GridEstimator BakeParams::*, GridRemap BakeParams::*, GridFilter BakeParams::*,
+                     GridNest BakeParams::*, VoxelLookup BakeParams::*>;
     std::string_view key;   ///< for ever: files hold it
     std::string_view label; ///< in the window
     std::string_view unit;  ///< "" for a pure number
@@ -192,6 +199,16 @@ inline constexpr std::array kParams{
               "Light bounces on until one adds less than this share; what is still missing then is added as a series."},
     ParamSpec{"voxel.partners", "Partners kept", "MiB", 0, 1'000'000, 128, kForVoxels, Stage::show, &BakeParams::voxelPartnerMemory, {},
               "Memory for who sees whom, so that bounces and edits of lamps walk no line again. Does not change results."},
+    ParamSpec{"voxel.lookup", "Voxel lookup", "", 0, 2, 1, kForVoxels, Stage::show, &BakeParams::voxelLookup, kVoxelLookupNames,
+              "lightcuts: all voxels as lights, in a cut; finest, .1 ms a point. samples: some of them at random. field: the voxels around; at once."},
+    ParamSpec{"voxel.threshold", "Cut threshold", "fraction", 0, 1, 0.005, kForVoxels, Stage::show, &BakeParams::voxelThreshold, {},
+              "Share of a point's light that each cluster of voxels may be off by; the whole is off by about as much. Less: longer cuts."},
+    ParamSpec{"voxel.cut", "Longest cut", "clusters", 0, 1'000'000, 100, kForVoxels, Stage::show, &BakeParams::voxelCut, {},
+              "Most clusters in a cut; what is reached first counts. 0: any number."},
+    ParamSpec{"voxel.near", "Near rays", "", 1, 4096, 16, kForVoxels, Stage::show, &BakeParams::voxelNear, {},
+              "Short rays of each point for surface that is nearer than about two voxels. More: less noise in corners."},
+    ParamSpec{"voxel.lights", "Sample voxels", "", 1, 1'000'000, 64, kForVoxels, Stage::show, &BakeParams::voxelLights, {},
+              "Voxels drawn at random for voxel.lookup=samples, with a shadow ray of each point to each."},
     ParamSpec{"gather.count", "Photons gathered (K)", "", 1, 100'000, 50, kForGathers, Stage::fit, &BakeParams::gatherCount, {},
               "More photons: less noise, more blur, longer gather."},
     ParamSpec{"gather.radius", "Largest gather radius", "leaf widths", 0, 64, 0.5, kForGathers, Stage::fit, &BakeParams::gatherRadius, {},

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/voxel/voxel_cuts.h"
+#include "core/trace/material.h"
+#include <bit>
+
+namespace lightloom {
+namespace {
+
+/// What surface near a receiver sends on: as its voxels are lit, by its own colour.
+class NearVoxels final : public NearField {
+public:
+    NearVoxels(const VoxelField& field, std::shared_ptr<const RayScene> rays) : rays_(std::move(rays))
+    {
+        auto layer = std::make_shared<VdlLayer>();
+        const std::size_t entries = field.surface().leaves->entries.size();
+        for (std::size_t e = 0; e < entries; ++e) layer->scalar.push_back(field.illuminance(e));
+        lit_ = std::make_unique<const LightOctree>(field.surface().leaves,
+                                                   std::vector<std::shared_ptr<const VdlLayer>>{std::move(layer)},
+                                                   VdlForm::corrected, Mix{}, OctreeShow::colour);
+    }
+    [[nodiscard]] glm::vec3 exitance(const Hit& hit) const override
+    {
+        const Surface surface = surfaceAt(*rays_, hit);
+        const glm::vec3 albedo = glm::min(surface.diffuse + surface.specular, glm::vec3(kLargestAlbedo));
+        return albedo * lit_->irradiance(hit.position, hit.facing());
+    }
+
+private:
+    std::shared_ptr<const RayScene> rays_;
+    std::unique_ptr<const LightOctree> lit_; ///< all light under the mix, not indirect light alone
+};
+
+std::shared_ptr<const LightTree> treeOf(const VoxelField& field, std::uint64_t seed)
+{
+    std::vector<DiscLight> lights;
+    for (const OctreeEntry& e : field.surface().leaves->entries) lights.push_back({e.centroid, e.area, e.normal});
+    const std::vector<glm::vec3> none(lights.size(), glm::vec3(0.0f));
+    return LightTree::build(lights, none, field.surface().leaves->cellSize(), seed);
+}
+
+/// A number for a place, for what is drawn there.
+std::uint64_t numberOf(glm::vec3 p)
+{
+    const auto bits = [](float v) { return std::uint64_t{std::bit_cast<std::uint32_t>(v)}; };
+    return mixBits(mixBits(bits(p.x) << 32 | bits(p.y)) ^ bits(p.z));
+}
+
+} // namespace
+
+VoxelShow voxelShow(const BakeParams& params)
+{
+    VoxelShow show;
+    show.lookup = params.voxelLookup;
+    show.cuts.threshold = params.voxelThreshold;
+    show.cuts.mostNodes = params.voxelCut;
+    show.cuts.nearRays = params.voxelNear;
+    show.cuts.seed = params.seed;
+    show.samples = params.voxelLights;
+    return show;
+}
+
+VoxelCuts::VoxelCuts(std::shared_ptr<const VoxelField> field, std::shared_ptr<const RayScene> rays, VoxelShow show)
+    : field_(std::move(field)), rays_(std::move(rays)), show_(show), tree_(treeOf(*field_, show.cuts.seed))
+{
+    light();
+}
+
+VoxelCuts::VoxelCuts(const VoxelCuts& other, std::shared_ptr<const VoxelField> field)
+    : field_(std::move(field)), rays_(other.rays_), show_(other.show_), tree_(other.tree_)
+{
+    light();
+}
+
+void VoxelCuts::light()
+{
+    std::vector<glm::vec3> exitance;
+    for (std::size_t e = 0; e < field_->surface().leaves->entries.size(); ++e) exitance.push_back(field_->exitance(e));
+    tree_ = tree_->withExitance(exitance);
+    cuts_ = std::make_unique<const Lightcuts>(rays_, tree_, std::make_shared<const NearVoxels>(*field_, rays_));
+    if (show_.lookup == VoxelLookup::samples)
+        samples_ = std::make_unique<const LightSamples>(*tree_, static_cast<std::size_t>(show_.samples),
+                                                        show_.cuts.seed);
+}
+
+bool VoxelCuts::lookup(glm::vec3 p, glm::vec3 n, glm::vec3& lux) const
+{
+    lux = samples_ ? cuts_->fromSamples(p, n, numberOf(p), show_.cuts, *samples_, 0, samples_->count())
+                   : cutAt(p, n).illuminance;
+    return true;
+}
+
+Lightcut VoxelCuts::cutAt(glm::vec3 p, glm::vec3 n) const { return cuts_->at(p, n, numberOf(p), show_.cuts); }
+
+std::shared_ptr<const IndirectField> VoxelCuts::withMix(Mix mix) const
+{
+    const auto mixed = std::static_pointer_cast<const VoxelField>(field_->withMix(std::move(mix)));
+    return std::shared_ptr<const IndirectField>(new VoxelCuts(*this, mixed));
+}
+
+std::size_t VoxelCuts::memoryBytes() const { return field_->memoryBytes() + tree_->memoryBytes(); }
+
+} // namespace lightloom

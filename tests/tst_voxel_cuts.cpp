@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+// Claims: a bake of voxels looked up by lightcuts gives what a gather through the scene finds, on surfaces and in
+// mid-air; samples are right in the mean; a picture asks once for all that a pixel shows of a surface, and is the same
+// to the bit however it is sliced; parameters choose the lookup, and ends of gathers never pay for it.
+#include "bake_helpers.h"
+#include "core/bake/packed_octree.h"
+#include "core/bake/progressive_view.h"
+#include "core/base/units.h"
+#include "core/photonmap/photon_products.h"
+#include "core/scene/sample_scenes.h"
+#include "core/trace/final_gather.h"
+#include "core/voxel/voxel_cuts.h"
+#include "core/voxel/voxel_solver.h"
+#include "light_helpers.h"
+#include "view_helpers.h"
+#include <atomic>
+
+using namespace lightloom;
+using namespace lightloom::test;
+
+namespace {
+
+/// Counts how often it is asked.
+class Counted final : public IndirectField {
+public:
+    explicit Counted(std::shared_ptr<const IndirectField> field) : field_(std::move(field)) {}
+    [[nodiscard]] bool lookup(glm::vec3 p, glm::vec3 n, glm::vec3& lux) const override
+    {
+        ++asked;
+        return field_->lookup(p, n, lux);
+    }
+    [[nodiscard]] bool isCostly() const override { return true; }
+    [[nodiscard]] std::shared_ptr<const IndirectField> withMix(Mix mix) const override
+    {
+        return std::make_shared<Counted>(field_->withMix(std::move(mix)));
+    }
+    [[nodiscard]] std::string_view method() const override { return field_->method(); }
+    [[nodiscard]] std::size_t memoryBytes() const override { return field_->memoryBytes(); }
+    mutable std::atomic<std::uint64_t> asked = 0;
+
+private:
+    std::shared_ptr<const IndirectField> field_;
+};
+
+ViewJob pictureOf(const Scene& scene)
+{
+    ViewJob job;
+    job.camera = scene.cameras.front();
+    job.width = 64, job.height = 48, job.samples = 8, job.directSamples = 8;
+    job.indirect = ViewJob::Indirect::field;
+    return job;
+}
+
+} // namespace
+
+class VoxelCutsTest : public QObject {
+    Q_OBJECT
+
+    std::shared_ptr<const Scene> scene_ = share(*sampleScene("cornell"));
+    BakeParams params_;
+    SceneProducts at_;
+    std::shared_ptr<const IndirectField> field_; ///< plain
+    Workers workers_{2};
+
+    [[nodiscard]] std::shared_ptr<const IndirectField> shown(VoxelLookup lookup)
+    {
+        params_.voxelLookup = lookup;
+        return *shownField(field_, params_, at_.rays);
+    }
+    [[nodiscard]] glm::vec3 gathered(glm::vec3 p, glm::vec3 n) const
+    {
+        Rng rng(1, hashName("gathered"), 0);
+        const CachedIndirect cached = [this](glm::vec3 q, glm::vec3 m, glm::vec3& lux) {
+            return field_->lookup(q, m, lux);
+        };
+        return gatherIndirect(*at_.rays, *at_.lights, {}, cached, p, n, 4096, 4, rng);
+    }
+
+private Q_SLOTS:
+    void initTestCase()
+    {
+        params_.voxelSize = 48;
+        params_.voxelDirections = 256;
+        VoxelSolver solver;
+        BakeProducts products;
+        const BakeJob job{scene_, params_, {}};
+        const Baked baked = runSolver(solver, job, products);
+        QVERIFY2(baked.error.empty(), baked.error.c_str());
+        field_ = baked.field;
+        BakeControl quiet(workers_, {});
+        at_ = *sceneProducts(job, products, quiet);
+    }
+
+    void parametersChooseTheLookup()
+    {
+        QVERIFY(shown(VoxelLookup::field) == field_);
+        const auto cuts = shown(VoxelLookup::lightcuts);
+        QVERIFY(cuts->isCostly() && !field_->isCostly());
+        const glm::vec3 p = facePoints(*scene_, 1, 1)[0].position, n = facePoints(*scene_, 1, 1)[0].normal;
+        glm::vec3 quick, plain, fine;
+        QVERIFY(cuts->lookupQuick(p, n, quick) && field_->lookup(p, n, plain) && cuts->lookup(p, n, fine));
+        QVERIFY(quick == plain && fine != plain);
+    }
+
+    void cutsAreWhatAGatherFinds()
+    {
+        const auto cuts = shown(VoxelLookup::lightcuts);
+        RunningMean off, squares;
+        for (const SurfacePoint& point : samplePoints(*at_.rays, *at_.lights, *at_.reach, 60, 3)) {
+            const float wanted = luminance(gathered(point.position, point.normal));
+            const auto error = double(luminance(cuts->irradiance(point.position, point.normal)) / wanted - 1.0f);
+            off.add(error), squares.add(error * error);
+        }
+        qInfo("mean %+.4f, rms %.4f over %d places", off.mean(), std::sqrt(squares.mean()), int(off.count()));
+        QVERIFY(std::abs(off.mean()) <= 0.015 && std::sqrt(squares.mean()) <= 0.05);
+        const glm::vec3 middle = scene_->bounds.centre() + glm::vec3(0.0f, 0.15f, 0.0f);
+        for (const glm::vec3 n : {glm::vec3(0, 1, 0), glm::vec3(0, -1, 0), glm::vec3(0.6f, 0, 0.8f)}) {
+            glm::vec3 lux;
+            QVERIFY(cuts->lookup(middle, n, lux));
+            QVERIFY(std::abs(luminance(lux) / luminance(gathered(middle, n)) - 1.0f) <= 0.05f);
+        }
+    }
+
+    void samplesAreRightInTheMean()
+    {
+        params_.voxelLights = 4096;
+        const auto cuts = shown(VoxelLookup::lightcuts), samples = shown(VoxelLookup::samples);
+        RunningMean off;
+        for (const SurfacePoint& point : samplePoints(*at_.rays, *at_.lights, *at_.reach, 60, 4)) {
+            const glm::vec3 lux = cuts->irradiance(point.position, point.normal);
+            off.add(double(luminance(samples->irradiance(point.position, point.normal)) / luminance(lux) - 1.0f));
+        }
+        qInfo("mean %+.4f", off.mean());
+        QVERIFY(std::abs(off.mean()) <= 0.02);
+        params_.voxelLights = BakeParams{}.voxelLights;
+    }
+
+    void mixesScale()
+    {
+        const auto cuts = shown(VoxelLookup::lightcuts), half = cuts->withMix({glm::vec3(0.5f)});
+        QVERIFY(half->isCostly());
+        for (const FacePoint& point : facePoints(*scene_, 40, 5)) {
+            const glm::vec3 a = cuts->irradiance(point.position, point.normal),
+                            b = half->irradiance(point.position, point.normal);
+            QVERIFY(glm::length(0.5f * a - b) <= 1e-4f * glm::length(a) + 1e-6f);
+        }
+    }
+
+    void picturesAskOncePerSurfaceAndPixel()
+    {
+        const ViewJob job = pictureOf(*scene_);
+        const auto pixels = std::uint64_t(job.width) * std::uint64_t(job.height);
+        const Counted counted(field_);
+        const View shared = renderView(*at_.rays, *at_.lights, {}, &counted, job, workers_, {});
+        qInfo("asked %.2f times a pixel of %d samples", double(counted.asked) / double(pixels), job.samples);
+        QVERIFY(counted.asked <= 2 * pixels);
+        const View each = renderView(*at_.rays, *at_.lights, {}, field_.get(), job, workers_, {});
+        RunningMean difference, light;
+        for (std::size_t i = 0; i < pixels; ++i) {
+            difference.add(double(std::abs(luminance(shared.indirect.pixels[i] - each.indirect.pixels[i]))));
+            light.add(double(luminance(each.indirect.pixels[i])));
+        }
+        // a pixel of so small a picture covers half a voxel: its middle is not its mean
+        qInfo("differs by %.4f of the mean", difference.mean() / light.mean());
+        QVERIFY(difference.mean() <= 0.02 * light.mean());
+    }
+
+    void slicesAreTheSameToTheBit()
+    {
+        ViewJob job = pictureOf(*scene_);
+        job.width = 32, job.height = 24;
+        const auto cuts = shown(VoxelLookup::lightcuts);
+        Workers five(5);
+        const View whole = renderView(*at_.rays, *at_.lights, {}, cuts.get(), job, five, {});
+        ProgressiveView view(at_.rays, at_.lights, {}, cuts, job);
+        View shown;
+        int slices = 0;
+        for (; !view.isWhole() && slices < 100; ++slices) shown = view.advance(0.0, workers_, {});
+        QVERIFY(slices > 2 && sameBits(whole, shown));
+    }
+};
+
+QTEST_APPLESS_MAIN(VoxelCutsTest)
+#include "tst_voxel_cuts.moc"
