@@ -78,8 +78,8 @@ void VoxelCuts::light()
     tree_ = tree_->withExitance(exitance);
     cuts_ = std::make_unique<const Lightcuts>(rays_, tree_, std::make_shared<const NearVoxels>(*field_, rays_));
     if (show_.lookup == VoxelLookup::samples)
-        samples_ = std::make_unique<const LightSamples>(*tree_, static_cast<std::size_t>(show_.samples),
-                                                        show_.cuts.seed);
+        samples_ =
+            std::make_unique<const LightSamples>(*tree_, static_cast<std::size_t>(show_.samples), show_.cuts.seed);
 }
 
 bool VoxelCuts::lookup(glm::vec3 p, glm::vec3 n, glm::vec3& lux) const
