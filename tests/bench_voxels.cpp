@@ -93,7 +93,8 @@ void benchBounces(const std::string& name, const SceneProducts& at, const Bounds
     const auto voxels = voxelise(bounds, *at.reach, cells, 0.0f, workers, {});
     const VoxelOrders orders(*voxels);
     const std::vector<glm::vec3> albedo = entryAlbedos(*at.rays, *at.reach, *voxels);
-    const EntryValues light = reflected(firstLight(*at.lights, *at.reach, *voxels, 1, 1, workers, {}), albedo);
+    const std::vector<int> groups{0};
+    const EntryValues light = reflected(firstLight(*at.lights, *at.reach, *voxels, groups, 1, 1, workers, {}), albedo);
     BounceParams all, one;
     all.directions = one.directions = options.directions;
     one.mostBounces = 1;
