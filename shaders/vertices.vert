@@ -4,6 +4,7 @@
 layout(location = 0) in vec4 aColour; // as shown; w 0: not at all
 
 uniform mat4 viewProjection;
+uniform int first; // number of the lattice's own first
 uniform vec3 lowest, cellSize;
 uniform ivec3 vertices; // along each axis
 uniform vec3 size;      // pixels at a distance of one metre, at least, at most
@@ -13,7 +14,7 @@ out vec4 vColour;
 
 void main()
 {
-    int i = gl_VertexID;
+    int i = gl_VertexID - first;
     ivec3 vertex = ivec3(i % vertices.x, i / vertices.x % vertices.y, i / (vertices.x * vertices.y));
     vWorld = lowest + vec3(vertex) * cellSize;
     vColour = aColour;

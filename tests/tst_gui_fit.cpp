@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Claims about what use showed: at 1280 pixels of width nothing of the toolbar is cut off and the snapshots stand
-// beside a legend whole; the form of a lamp is readable under a long list of lamps, whose row is in sight; labels of
-// lights do not hide each other; the figure under the cursor follows lamps and bakes while the mouse rests, and is of
-// where the cursor is, however it came there.
+// beside a legend whole, or the oldest of them in a menu; the form of a lamp is readable under a long list of lamps,
+// whose row is in sight; labels of lights do not hide each other; the figure under the cursor follows lamps and bakes
+// while the mouse rests, and is of where the cursor is, however it came there.
 #include "widgets/bake_panel.h"
 #include "widgets/gl/gl_probe.h"
 #include "widgets/lamp_desk.h"
@@ -25,6 +25,7 @@
 #include <QSlider>
 #include <QToolBar>
 #include <QToolButton>
+#include <algorithm>
 
 using namespace lightloom;
 using namespace lightloom::test;
@@ -103,6 +104,36 @@ private Q_SLOTS:
         QVERIFY2(scroll->maximum() == 0, qPrintable(QString("%1 pixels are out of sight").arg(scroll->maximum())));
         QVERIFY(window_->legend().width() >= 280);
         actionNamed(*window_, "Light")->trigger();
+    }
+
+    void manySnapshotsNeedNoScrolling() // what there is no room for is in a menu, what is shown never
+    {
+        SnapshotBar bar;
+        BakeView view;
+        constexpr int kCount = 9;
+        for (int level = 1; level <= kCount; ++level) {
+            view.snapshot.level = level;
+            bar.add(view);
+        }
+        const int wide = bar.sizeHint().width();
+        bar.show();
+        const auto buttons = bar.findChildren<QToolButton*>();
+        auto* menu = bar.findChild<QMenu*>();
+        QCOMPARE(buttons.size(), kCount);
+        for (const int width : {wide, wide / 2, wide / 4}) {
+            bar.resize(width, bar.height());
+            QCoreApplication::processEvents();
+            QVERIFY2(bar.horizontalScrollBar()->maximum() == 0, qPrintable(QString("%1 pixels wide").arg(width)));
+            Q_EMIT menu->aboutToShow();
+            const auto isSeen = [](const QToolButton* button) { return !button->isHidden(); };
+            QCOMPARE(std::ranges::count_if(buttons, isSeen) + menu->actions().size(), kCount);
+            QVERIFY(isSeen(buttons.last()) && (width < wide || menu->isEmpty()));
+        }
+        QVERIFY(!menu->isEmpty());
+        menu->actions().first()->trigger();
+        QCOMPARE(bar.shown()->snapshot.level, 1);
+        QVERIFY(buttons.first()->isChecked() && !buttons.first()->isHidden());
+        QVERIFY(bar.horizontalScrollBar()->maximum() == 0);
     }
 
     void longNamesWidenNothing()

@@ -171,11 +171,24 @@ private Q_SLOTS:
         BakeParams params = smallBake();
         params.gridSize = 10;
         params.photonCount = 150'000;
+        const auto isHidden = [&](const char* key) { return window_->findChild<QWidget*>(key)->isHidden(); };
+        QVERIFY(isHidden("grid.nest.fine") && isHidden("grid.nest.low.x") && !isHidden("grid.nest"));
+        QVERIFY(isHidden("grid.shift.reset") && !isHidden("grid.size.reset"));
         params.gridNest = GridNest::automatic;
         window_->setParams(params);
+        QVERIFY(!isHidden("grid.nest.fine") && isHidden("grid.nest.fine.reset") && isHidden("grid.nest.low.x"));
         QVERIFY(ended.wait(kPatience) && ended.last().first().toBool());
         read();
         QCOMPARE(names, QStringList({"N 10, 66k", "N 10, 131k", "N 10, 150k", "N 10 + 20, 150k"}));
+        // vertices are marked of both grids
+        const QImage plain = picture();
+        QVERIFY(looksAnew([&] { press(Qt::Key_V); }));
+        const auto vertices = window_->snapshots().shown()->vertices;
+        QCOMPARE(vertices->lattices.size(), std::size_t{2});
+        QCOMPARE(vertices->lattices[1].colours.size(), grid()->inside().grid->geometry().lattice.vertexCount());
+        QVERIFY(meanDifference(plain, picture()) > 0.1);
+        QVERIFY(looksAnew([&] { actionNamed(*window_, "No vertices")->trigger(); }));
+        QCOMPARE(picture(), plain);
         QVERIFY(looksAnew([&] { actionNamed(*window_, "Flux")->trigger(); }));
         read();
         QCOMPARE(names.last(), QString("N 10 + 20, 150k, flux"));

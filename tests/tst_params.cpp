@@ -108,6 +108,17 @@ private Q_SLOTS:
         QVERIFY(defaultParams(Method::lightOctree) == BakeParams{});
     }
 
+    void theBoxIsOfUseWithAFinerGridAlone()
+    {
+        BakeParams params;
+        const auto isUsed = [&](const char* key) { return isOfUse(params, *findParam(key)); };
+        QVERIFY(isUsed("grid.nest") && !isUsed("grid.nest.fine") && !isUsed("grid.nest.low.x"));
+        params.gridNest = GridNest::automatic;
+        QVERIFY(isUsed("grid.nest.fine") && !isUsed("grid.nest.high.z"));
+        params.gridNest = GridNest::box;
+        QVERIFY(isUsed("grid.nest.fine") && isUsed("grid.nest.low.x") && isUsed("grid.nest.high.z"));
+    }
+
     void presetsFollowTheMethod()
     {
         QVERIFY(defaultParams(Method::irradianceGrid).photonCount > defaultParams(Method::lightOctree).photonCount);

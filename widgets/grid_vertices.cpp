@@ -51,16 +51,30 @@ glm::u8vec4 noiseColour(const IrradianceGrid& grid, const Mix& mix, std::size_t 
     return {byte(colour.x), byte(colour.y), byte(colour.z), kSeen};
 }
 
+GridVertices::Lattice marked(const IrradianceGrid& grid, const Mix& mix, VertexMarks marks)
+{
+    GridVertices::Lattice out{grid.geometry().lattice, {}};
+    out.colours.resize(out.lattice.vertexCount());
+    for (std::size_t i = 0; i < out.colours.size(); ++i)
+        out.colours[i] = marks == VertexMarks::openness ? openColour(grid, i) : noiseColour(grid, mix, i);
+    return out;
+}
+
 } // namespace
 
 std::shared_ptr<const GridVertices> gridVertices(const IrradianceGrid& grid, const Mix& mix, VertexMarks marks)
 {
     if (marks == VertexMarks::none) return nullptr;
     auto out = std::make_shared<GridVertices>();
-    out->lattice = grid.geometry().lattice;
-    out->colours.resize(out->lattice.vertexCount());
-    for (std::size_t i = 0; i < out->colours.size(); ++i)
-        out->colours[i] = marks == VertexMarks::openness ? openColour(grid, i) : noiseColour(grid, mix, i);
+    out->lattices.push_back(marked(grid, mix, marks));
+    const GridInside& inside = grid.inside();
+    if (!inside.grid) return out;
+    GridVertices::Lattice& outer = out->lattices.front();
+    for (std::size_t i = 0; i < outer.colours.size(); ++i) {
+        const bool isReplaced = inside.weight(outer.lattice.position(outer.lattice.vertex(i))) >= 1.0f;
+        if (isReplaced) outer.colours[i] = glm::u8vec4(0);
+    }
+    out->lattices.push_back(marked(*inside.grid, mix, marks));
     return out;
 }
 

@@ -31,6 +31,7 @@ void LegendStrip::show(std::shared_ptr<const ViewError> error, const QString& ca
 {
     error_ = std::move(error);
     caption_ = caption;
+    setToolTip(caption); // should a long one be cut
     setAccessibleDescription(caption + QStringLiteral(": ") + ticks().join(QStringLiteral(", ")));
     update();
 }
@@ -58,8 +59,8 @@ void LegendStrip::paintEvent(QPaintEvent*)
     const QFontMetrics metrics = fontMetrics();
     const QStringList texts = ticks();
     if (texts.isEmpty()) {
-        painter.drawText(rect().adjusted(kMargin, 0, -kMargin, 0), Qt::AlignVCenter | Qt::AlignLeft,
-                         metrics.elidedText(caption_, Qt::ElideRight, width() - 2 * kMargin));
+        painter.drawText(rect().adjusted(kMargin, 0, -kMargin, 0), Qt::AlignVCenter | Qt::AlignLeft | Qt::TextWordWrap,
+                         caption_);
         return;
     }
     // ends are centred on by their numbers

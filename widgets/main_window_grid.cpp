@@ -78,9 +78,9 @@ void MainWindow::markVertices(VertexMarks marks)
     if (compareDesk_ == nullptr) return;
     QString note;
     if (marks == VertexMarks::openness)
-        note = tr("Vertices: green open, yellow in part, orange too little, red in walls");
+        note = tr("Vertices: green open, yellow in part,\norange too little, red in walls");
     if (marks == VertexMarks::noise)
-        note = tr("Noise of vertices: from 0 (dark) to %1 % and more (pale)").arg(100.0f * kMostVertexNoise);
+        note = tr("Noise of vertices: from 0 (dark)\nto %1 % and more (pale)").arg(100.0f * kMostVertexNoise);
     compareDesk_->showNote(note);
 }
 

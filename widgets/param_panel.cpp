@@ -148,7 +148,7 @@ void ParamPanel::addRows()
 
 void ParamPanel::addRow(const ParamSpec& spec, QFormLayout& form)
 {
-    Row row{&spec, makeEditor(spec), new QLabel(text(spec.label)), new QToolButton};
+    Row row{&spec, makeEditor(spec), new QLabel(text(spec.label)), new QToolButton, &form};
     const QString help = text(spec.help) + rangeText(spec);
     row.editor->setObjectName(text(spec.key));
     row.editor->setToolTip(help);
@@ -227,6 +227,7 @@ void ParamPanel::showValues()
         font.setBold(isChanged);
         row.label->setFont(font);
         row.editor->setFont(font);
+        row.form->setRowVisible(row.label, isOfUse(params_, *row.spec)); // shows all of a row
         row.reset->setVisible(isChanged);
     }
     int index = 0;

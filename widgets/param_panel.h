@@ -12,7 +12,8 @@ class QFormLayout;
 namespace lightloom {
 
 /// A form built from `kParams`: one row for each parameter that a method reads, grouped by the stage it makes run
-/// again, with tooltip, unit and range. What differs from the defaults is bold and has a button that resets it.
+/// again, with tooltip, unit and range, while it is of use. What differs from the defaults is bold and has a button
+/// that resets it.
 class ParamPanel final : public QWidget {
     Q_OBJECT
 public:
@@ -32,6 +33,7 @@ private:
         QWidget* editor;
         QLabel* label;
         QToolButton* reset;
+        QFormLayout* form;
     };
     void addRows();
     void addRow(const ParamSpec& spec, QFormLayout& form);

@@ -6,12 +6,15 @@
 
 class QHBoxLayout;
 class QLabel;
+class QMenu;
+class QPushButton;
 class QToolButton;
 
 namespace lightloom {
 
 /// The refinements of the running or last bake, oldest first. The newest is shown until the user clicks another one;
-/// clicking the newest follows again. Where it is narrow the title goes first, then it scrolls.
+/// clicking the newest follows again. Where it is narrow the title goes first, then times but that of the one shown,
+/// then the oldest into a menu.
 class SnapshotBar final : public QScrollArea {
     Q_OBJECT
 public:
@@ -29,17 +32,27 @@ Q_SIGNALS:
     void chosen(); ///< `shown()` is another one
 
 protected:
-    void resizeEvent(QResizeEvent* event) override; ///< what is shown stays in sight
+    void resizeEvent(QResizeEvent* event) override;
 
 private:
-    static void tell(QToolButton& button, const BakeView& view);
+    /// A snapshot's button and what stands on it where there is room and where there is not.
+    struct Entry {
+        QToolButton* button;
+        QString whole, brief;
+        int wholeWidth = 0, briefWidth = 0;
+    };
+    static void tell(Entry& entry, const BakeView& view);
     void choose(std::size_t index);
     void makeRoom();
+    [[nodiscard]] int widthOf(bool isBrief, std::size_t first) const;
+    void fillMenu();
 
     QHBoxLayout* row_;
     QLabel *title_, *empty_;
+    QMenu* olderMenu_;
+    QPushButton* older_; ///< opens it
     std::vector<BakeView> views_;
-    std::vector<QToolButton*> buttons_;
+    std::vector<Entry> entries_;
     std::size_t shown_ = 0;
 };
 

@@ -101,6 +101,13 @@ Result<Done> checkTogether(const BakeParams& params)
     return Done{};
 }
 
+bool isOfUse(const BakeParams& params, const ParamSpec& spec)
+{
+    if (spec.key == "grid.nest.fine") return params.gridNest != GridNest::off;
+    if (spec.key.starts_with("grid.nest.")) return params.gridNest == GridNest::box;
+    return true;
+}
+
 std::optional<Stage> firstDifference(const BakeParams& a, const BakeParams& b, Method method)
 {
     std::optional<Stage> first;

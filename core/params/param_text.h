@@ -26,6 +26,10 @@ namespace lightloom {
 /// What parameters ask for together, where single ranges cannot say: an Error that names both, or Done.
 [[nodiscard]] Result<Done> checkTogether(const BakeParams& params);
 
+/// Whether a parameter has a part in a bake while the others are as they are: the box of a grid without a finer one
+/// has none.
+[[nodiscard]] bool isOfUse(const BakeParams& params, const ParamSpec& spec);
+
 /// The earliest stage at which two bakes with `method` part; nothing if they give the same result.
 [[nodiscard]] std::optional<Stage> firstDifference(const BakeParams& a, const BakeParams& b, Method method);
 

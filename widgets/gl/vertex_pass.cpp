@@ -31,15 +31,16 @@ void VertexPass::setVertices(std::shared_ptr<const GridVertices> vertices)
 {
     vertices_ = std::move(vertices);
     if (!vertices_) return;
+    std::vector<glm::u8vec4> all;
+    for (const auto& [lattice, colours] : vertices_->lattices) all.insert(all.end(), colours.begin(), colours.end());
     gl_->glBindBuffer(GL_ARRAY_BUFFER, buffer_.id());
-    gl_->glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices_->colours.size() * sizeof(glm::u8vec4)),
-                      vertices_->colours.data(), GL_STATIC_DRAW);
+    gl_->glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(all.size() * sizeof(glm::u8vec4)), all.data(),
+                      GL_STATIC_DRAW);
 }
 
 void VertexPass::draw(const FrameView& frame, const GBuffer& buffers, glm::ivec2 window)
 {
     if (!vertices_) return;
-    const GridLattice& lattice = vertices_->lattice;
     gl_->glBindVertexArray(array_.id());
     gl_->glEnable(GL_BLEND);
     gl_->glBlendEquation(GL_FUNC_ADD);
@@ -50,14 +51,20 @@ void VertexPass::draw(const FrameView& frame, const GBuffer& buffers, glm::ivec2
     program_.set("eye", frame.eye);
     program_.set("window", glm::vec2(window));
     program_.set("viewProjection", frame.projection * frame.view);
-    program_.set("lowest", lattice.lowest);
-    program_.set("cellSize", lattice.cellSize);
-    program_.set("vertices", lattice.vertices());
-    const float cell = std::min({lattice.cellSize.x, lattice.cellSize.y, lattice.cellSize.z});
     // pixels of a metre at a distance of one metre
     const float metre = 0.5f * static_cast<float>(window.y) * frame.projection[1][1];
-    program_.set("size", glm::vec3(kDotShare * cell * metre, kLeastDot, kMostDot));
-    gl_->glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(vertices_->colours.size()));
+    GLint first = 0;
+    for (const auto& [lattice, colours] : vertices_->lattices) {
+        program_.set("first", first); // the shader's numbers go on from one lattice to the next
+        program_.set("lowest", lattice.lowest);
+        program_.set("cellSize", lattice.cellSize);
+        program_.set("vertices", lattice.vertices());
+        const float cell = std::min({lattice.cellSize.x, lattice.cellSize.y, lattice.cellSize.z});
+        program_.set("size", glm::vec3(kDotShare * cell * metre, kLeastDot, kMostDot));
+        const auto count = static_cast<GLsizei>(colours.size());
+        gl_->glDrawArrays(GL_POINTS, first, count);
+        first += count;
+    }
     gl_->glDisable(GL_PROGRAM_POINT_SIZE);
     gl_->glDisable(GL_BLEND);
     gl_->glBindVertexArray(0);
