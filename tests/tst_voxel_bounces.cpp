@@ -101,6 +101,50 @@ private Q_SLOTS:
         QVERIFY(std::abs(voxels.meanOf(lux) / expected - 1.0) <= 0.01);
     }
 
+    void aSmallBrightPatch()
+    {
+        // the floor of a closed room under a lamp 3 cm above it: what comes straight from every place of it is known;
+        // lines meet the bright ones by chance only
+        Voxels voxels(furnaceBox(0.5f, 1.0f, {2.0f, 2.0f, 2.0f}), 64, 0.3f);
+        const std::vector<glm::vec3> albedo(voxels.entries().size(), glm::vec3(0.0f));
+        EntryValues light;
+        std::vector<std::pair<const Orientation*, double>> lumen;
+        double brightest = 0.0, all = 0.0;
+        for (const Orientation& o : voxels.entries()) {
+            const float x = o.centroid.x - 0.2f, z = o.centroid.z + 0.1f, r2 = 9e-4f + x * x + z * z;
+            const float sent = o.normal.y > 0.5f ? 1e-3f / (r2 * r2) : 0.0f;
+            light.values.insert(light.values.end(), 3, sent);
+            if (sent > 0.0f) lumen.emplace_back(&o, static_cast<double>(sent * o.area));
+            all += static_cast<double>(sent * o.area);
+            if (x * x + z * z < 0.0036f) brightest += static_cast<double>(sent * o.area);
+        }
+        QVERIFY(brightest > 0.7 * all && brightest < 0.9 * all); // within 6 cm
+        BounceParams params;
+        params.mostBounces = 1;
+        const EntryValues lux = voxels.bounced(light, albedo, params);
+        for (const glm::vec3 wall : {glm::vec3(0, -1, 0), glm::vec3(1, 0, 0), glm::vec3(0, 0, 1)}) {
+            double squares = 0.0, expectedSquares = 0.0, sum = 0.0, expectedSum = 0.0;
+            for (std::size_t e = 0; e < voxels.entries().size(); ++e) {
+                const Orientation& o = voxels.entries()[e];
+                if (glm::dot(o.normal, wall) < 0.9f) continue;
+                double expected = 0.0;
+                for (const auto& [source, flux] : lumen) {
+                    const glm::vec3 way = source->centroid - o.centroid;
+                    const float r2 = glm::dot(way, way);
+                    expected += flux * static_cast<double>(glm::max(0.0f, glm::dot(way, o.normal)) *
+                                                           glm::max(0.0f, -glm::dot(way, source->normal)) / (r2 * r2));
+                }
+                expected /= kPiD;
+                const double off = static_cast<double>(lux.values[3 * e]) - expected, a = static_cast<double>(o.area);
+                squares += off * off * a, expectedSquares += expected * expected * a;
+                sum += off * a, expectedSum += expected * a;
+            }
+            qInfo("rms %.4f, mean %+.4f", std::sqrt(squares / expectedSquares), sum / expectedSum);
+            QVERIFY(std::sqrt(squares / expectedSquares) <= 0.08);
+            QVERIFY(std::abs(sum / expectedSum) <= 0.02);
+        }
+    }
+
     void wallsWithinAVoxelDoNotLeak()
     {
         for (const float thick : {0.001f, 0.02f, 0.05f}) { // voxels of 6.6 cm

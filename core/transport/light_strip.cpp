@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/transport/light_strip.h"
 #include <algorithm>
+#include <utility>
 
 namespace lightloom {
 
@@ -21,19 +22,44 @@ std::size_t LightStrip::bytesFor(std::size_t entries)
     return (entries + 1) * (3 * ChannelLines::kMostWidth * sizeof(ChannelLines::Four) + sizeof(float));
 }
 
-void LightStrip::beginBounce()
+void LightStrip::beginBounce(std::size_t directions)
 {
     std::ranges::fill(arriving_.fours, ChannelLines::Four{});
     std::ranges::fill(cosines_, 0.0f);
+    for (std::size_t g = 0; g < groups_.size(); ++g) takeBright(g, directions);
+}
+
+void LightStrip::takeBright(std::size_t group, std::size_t directions)
+{
+    groups_[group].bright.clear();
+    if (groups_[group].isDone) return;
+    const std::size_t first = 3 * group, count = std::min<std::size_t>(3, channels_ - first);
+    std::vector<float> lumen(entries_.size());
+    for (std::size_t e = 0; e < entries_.size(); ++e) {
+        const float* leaving = leaving_.line(e) + first;
+        for (std::size_t c = 0; c < count; ++c) lumen[e] += leaving[c] * entries_[e].area;
+    }
+    for (const std::uint32_t e : brightestOf(lumen, directions)) {
+        BrightEntry bright{e, glm::vec3(0.0f)};
+        for (std::size_t c = 0; c < count; ++c)
+            bright.radiosity[static_cast<int>(c)] = std::exchange(leaving_.line(e)[first + c], 0.0f);
+        groups_[group].bright.push_back(bright);
+    }
 }
 
 /// E = sum of B / pi cos dOmega, with dOmega such that the sum of cos dOmega over the entry's half space is pi.
-void LightStrip::toLux()
+void LightStrip::arrive(const RayScene& rays, const SurfaceVoxels& voxels, std::size_t first, std::size_t end)
 {
-    for (std::size_t e = 0; e < entries_.size(); ++e) {
+    for (std::size_t e = first; e < end; ++e) {
         const float share = cosines_[e] > 0.0f ? 1.0f / cosines_[e] : 0.0f;
         float* lux = arriving_.line(e);
         for (std::size_t c = 0; c < channels_; ++c) lux[c] *= share;
+        for (std::size_t g = 0; g < groups_.size(); ++g) {
+            if (groups_[g].bright.empty()) continue;
+            const glm::vec3 straight = luxFrom(groups_[g].bright, e, rays, voxels);
+            for (std::size_t c = 3 * g; c < std::min(channels_, 3 * g + 3); ++c)
+                lux[c] += straight[static_cast<int>(c % 3)];
+        }
     }
 }
 
@@ -50,7 +76,6 @@ std::vector<double> LightStrip::lumenArrived() const
 
 bool LightStrip::endBounce(float leastGain, bool isLast)
 {
-    toLux();
     const std::vector<double> lumen = lumenArrived();
     float weights[kMostChannels] = {}; // of groups that are done: 0
     bool areDone = true;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include "core/transport/bright_entries.h"
 #include "core/transport/entry_values.h"
 #include "core/transport/partner_gather.h"
 
@@ -17,13 +18,17 @@ public:
     /// The most that one takes.
     [[nodiscard]] static std::size_t bytesFor(std::size_t entries);
 
-    void beginBounce();
+    /// Before what `directions` bring is gathered: what few entries send by far the most of goes another way.
+    void beginBounce(std::size_t directions);
     /// Adds what arrives at entries [first, end) along the directions of a block. Several threads may call it for
     /// entries of their own.
     void gather(const PartnerBlock& block, const BlockDirections& directions, std::size_t first, std::size_t end)
     {
         gatherRows(block, directions, entries_, first, end, leaving_, arriving_, cosines_);
     }
+    /// Once all is gathered: what arrives at entries [first, end), and from bright entries straight by shadow rays.
+    /// Several threads may call it for entries of their own.
+    void arrive(const RayScene& rays, const SurfaceVoxels& voxels, std::size_t first, std::size_t end);
     /// Adds to the result what has arrived, and reflects it. A group ends with a bounce that adds no more than
     /// `leastGain` of the sum, or is the last; what would still come is added as a geometric series. True: all have.
     bool endBounce(float leastGain, bool isLast);
@@ -34,8 +39,9 @@ private:
     struct Group {
         double sum = 0.0, before = 0.0; // lumen of all bounces, of the last one
         bool isDone = false;
+        std::vector<BrightEntry> bright;
     };
-    void toLux();
+    void takeBright(std::size_t group, std::size_t directions);
     [[nodiscard]] std::vector<double> lumenArrived() const;
 
     std::span<const Orientation> entries_;

@@ -16,7 +16,7 @@ class Bouncer {
 public:
     Bouncer(const RayScene& rays, const SurfaceVoxels& voxels, const VoxelOrders& orders, const BounceParams& params,
             const PartnerTable* stored, Workers& workers, const std::stop_token& stop)
-        : voxels_(voxels), directions_(directionSet(params.directions)), params_(params), stored_(stored),
+        : rays_(rays), voxels_(voxels), directions_(directionSet(params.directions)), params_(params), stored_(stored),
           walker_(rays, voxels, orders, directions_), workers_(workers), stop_(stop)
     {
         assert(!stored || stored->entries() == voxels.entries.size());
@@ -35,8 +35,8 @@ public:
     {
         std::size_t directions = directions_.size();
         for (int bounce = 1;; ++bounce) {
-            for (LightStrip& strip : strips) strip.beginBounce();
-            if (!gather(strips, directions)) return 0;
+            for (LightStrip& strip : strips) strip.beginBounce(directions);
+            if (!gather(strips, directions) || !arrive(strips)) return 0;
             bool areDone = true;
             for (LightStrip& strip : strips)
                 areDone &= strip.endBounce(params_.leastGain, bounce >= params_.mostBounces);
@@ -85,15 +85,29 @@ private:
     {
         std::vector<BlockDirections> directions;
         for (std::size_t b = 0; b < blocks.size(); ++b) directions.emplace_back(set, first + b);
-        constexpr std::size_t kTogether = 1024; // entries: their sums stay in the cache
-        const std::size_t entries = voxels_.entries.size(), parts = (entries + kTogether - 1) / kTogether;
-        return workers_.run(parts * strips.size(), stop_, [&](std::size_t job) {
-            LightStrip& strip = strips[job / parts];
-            const std::size_t from = job % parts * kTogether, to = std::min(entries, from + kTogether);
+        return forEntries(strips, [&](LightStrip& strip, std::size_t from, std::size_t to) {
             for (std::size_t b = 0; b < blocks.size(); ++b) strip.gather(*blocks[b], directions[b], from, to);
         });
     }
+    [[nodiscard]] bool arrive(std::span<LightStrip> strips)
+    {
+        return forEntries(strips, [&](LightStrip& strip, std::size_t from, std::size_t to) {
+            strip.arrive(rays_, voxels_, from, to);
+        });
+    }
+    /// Calls `body` for some entries of a strip after the other. False: stopped.
+    template<class Body>
+    [[nodiscard]] bool forEntries(std::span<LightStrip> strips, const Body& body)
+    {
+        constexpr std::size_t kTogether = 1024; // their sums stay in the cache
+        const std::size_t entries = voxels_.entries.size(), parts = (entries + kTogether - 1) / kTogether;
+        return workers_.run(parts * strips.size(), stop_, [&](std::size_t job) {
+            const std::size_t from = job % parts * kTogether;
+            body(strips[job / parts], from, std::min(entries, from + kTogether));
+        });
+    }
 
+    const RayScene& rays_;
     const SurfaceVoxels& voxels_;
     std::vector<LineDirection> directions_;
     BounceParams params_;
