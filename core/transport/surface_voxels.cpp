@@ -108,6 +108,19 @@ std::size_t SurfaceVoxels::voxelAt(glm::vec3 p, glm::vec3 normal) const
     return isThere ? static_cast<std::size_t>(found - voxels.begin()) : voxels.size();
 }
 
+std::uint32_t SurfaceVoxels::entryAt(glm::vec3 p, glm::vec3 normal) const
+{
+    const std::size_t voxel = voxelAt(p, normal);
+    std::uint32_t best = kNoEntry;
+    if (voxel == voxels.size()) return best;
+    float bestCosine = 0.0f;
+    for (std::uint32_t e = firstEntry[voxel]; e < firstEntry[voxel + 1]; ++e) {
+        const float cosine = glm::dot(entries[e].normal, normal);
+        if (cosine > bestCosine) bestCosine = cosine, best = e;
+    }
+    return best;
+}
+
 std::size_t SurfaceVoxels::memoryBytes() const
 {
     return voxels.size() * sizeof(glm::ivec3) + entries.size() * sizeof(Orientation) +

@@ -27,6 +27,9 @@ struct SurfaceVoxels {
     [[nodiscard]] glm::vec3 pointOn(std::size_t e, glm::vec3 u, const LightReach& reach, std::uint32_t& facet) const;
     /// The voxel that holds a point of the surface that faces `normal`; voxels.size() if none does. O(log voxels).
     [[nodiscard]] std::size_t voxelAt(glm::vec3 p, glm::vec3 normal) const;
+    /// Of that voxel, the entry that faces `normal` most; kNoEntry if none faces it at all.
+    [[nodiscard]] std::uint32_t entryAt(glm::vec3 p, glm::vec3 normal) const;
+    static constexpr std::uint32_t kNoEntry = 0xFFFFFFFFu;
     [[nodiscard]] float cellSize() const { return lattice.cellSize(); }
     [[nodiscard]] std::size_t memoryBytes() const;
 };
