@@ -3,9 +3,10 @@
 //   bench_lightcuts [SCENE[:TRIANGLES] ...]             a cut at 2 % against all lights one by one and by packets of
 //                                                       rays, medians of 5 rounds of 60 places; random voxels in the
 //                                                       time of a cut; tree built and lit anew
-//   bench_lightcuts --accuracy [--probes N] [--paths N] [SCENE ...]
+//   bench_lightcuts --accuracy [--rays] [--probes N] [--paths N] [SCENE ...]
 //                                                       field, and cuts at 2 and .5 %, against the reference, and
-//                                                       against all lights
+//                                                       against all lights; --rays: the light of discs is carried along
+//                                                       64 exact rays of each voxel entry
 // Voxels: 128 along the longest side, 1024 directions.
 #include "core/compare/image_error.h"
 #include "tests/bench_clock.h"
@@ -92,13 +93,13 @@ struct Lit {
     Lightcuts cuts{at.rays, tree, std::make_shared<EntryNearField>(at.rays, voxels, at.lights.get())};
 };
 
-Lit light(const std::string& name, const BakeParams& params, Workers& workers)
+Lit light(const std::string& name, const BakeParams& params, int exactRays, Workers& workers)
 {
     auto scene = std::make_shared<const Scene>(*benchScene(name));
     BakeProducts products;
     BakeControl quiet(workers, {});
     SceneProducts at = *sceneProducts({scene, params, {}}, products, quiet);
-    VoxelLights voxels(*at.rays, *at.lights, *at.reach, kCells, kDirections, workers);
+    VoxelLights voxels(*at.rays, *at.lights, *at.reach, kCells, kDirections, workers, 0.0f, exactRays);
     return {std::move(scene), std::move(at), std::move(voxels)};
 }
 
@@ -114,7 +115,7 @@ double msEach(const std::vector<SurfacePoint>& places, Do work)
 
 void speed(const std::string& name, Workers& workers)
 {
-    const Lit lit = light(name, {}, workers);
+    const Lit lit = light(name, {}, 0, workers);
     constexpr int kRounds = 5;
     constexpr std::uint64_t kPlaces = 60;
     const auto places = samplePoints(*lit.at.rays, *lit.at.lights, *lit.at.reach, kPlaces * kRounds, 1);
@@ -189,9 +190,9 @@ void tell(const char* what, const std::vector<double>& values, const std::vector
                error.relRmse, error.bias, error.perPoint, error.p95, error.max, ms);
 }
 
-void accuracy(const std::string& name, const JudgeSettings& settings, Workers& workers)
+void accuracy(const std::string& name, const JudgeSettings& settings, int exactRays, Workers& workers)
 {
-    const Lit lit = light(name, settings.params, workers);
+    const Lit lit = light(name, settings.params, exactRays, workers);
     const Judge judge(lit.at, settings, workers);
     double mean = 0.0;
     for (const double lux : judge.reference) mean += lux / static_cast<double>(judge.reference.size());
@@ -228,10 +229,11 @@ int main(int argc, char** argv)
     if (!settings) return 2;
     Workers workers;
     const bool isAccuracy = std::erase(settings->words, "--accuracy") > 0;
+    const int exactRays = std::erase(settings->words, "--rays") > 0 ? 64 : 0;
     if (settings->words.empty()) settings->words = {"cornell"};
     for (const std::string& name : settings->words) {
         if (isAccuracy)
-            accuracy(name, *settings, workers);
+            accuracy(name, *settings, exactRays, workers);
         else
             speed(name, workers);
     }

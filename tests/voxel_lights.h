@@ -2,6 +2,7 @@
 #pragma once
 #include "core/base/units.h"
 #include "core/lightcuts/lightcut.h"
+#include "core/lightcuts/ray_partners.h"
 #include "core/trace/direct_light.h"
 #include "core/trace/material.h"
 #include "core/transport/first_light.h"
@@ -70,8 +71,9 @@ struct VoxelLights {
     std::vector<DiscLight> discs;            ///< by entry
     std::vector<glm::vec3> exitance;         ///< lm/m2, by entry
 
+    /// With `exactRays` of each entry what discs send is the light that came along these, not along lines.
     VoxelLights(const RayScene& rays, const LightSampler& lights, const LightReach& reach, int cells, int directions,
-                Workers& workers, float shift = 0.0f)
+                Workers& workers, float shift = 0.0f, int exactRays = 0)
         : voxels(voxelise(rays.scene().bounds, reach, cells, shift, workers, {}))
     {
         const std::vector<glm::vec3> albedo = entryAlbedos(rays, reach, *voxels);
@@ -87,12 +89,18 @@ struct VoxelLights {
                 sharp[static_cast<std::size_t>(emitter.group)] = glm::vec3(0.0f);
         }
         soft = allLamps(first, sharp);
-        indirect = allLamps(
-            bounceLight(rays, *voxels, VoxelOrders(*voxels), reflected(first, albedo), albedo, params, workers, {}));
+        const EntryValues leaving = reflected(first, albedo);
+        EntryValues lux = bounceLight(rays, *voxels, VoxelOrders(*voxels), leaving, albedo, params, workers, {});
+        indirect = allLamps(lux);
+        if (exactRays > 0) {
+            const auto partners = RayPartners::trace(rays, reach, *voxels, exactRays, 1, workers, {});
+            lux = partners->bounced(leaving, albedo, lux, workers, {});
+        }
+        const std::vector<glm::vec3> carried = allLamps(lux);
         for (std::size_t e = 0; e < albedo.size(); ++e) {
             const Orientation& o = voxels->entries[e];
             discs.push_back({o.centroid, o.area, o.normal});
-            exitance.push_back(albedo[e] * (direct[e] + indirect[e]));
+            exitance.push_back(albedo[e] * (direct[e] + carried[e]));
         }
     }
     [[nodiscard]] std::shared_ptr<const LightTree> tree(std::uint64_t seed = 1) const
