@@ -15,8 +15,8 @@ struct DiscLight {
 
 /// Where light is told apart by its distance: what comes from nearer is left to rays that look for themselves, what
 /// comes from further to discs. In between both count, in shares that add up to 1, so that nothing jumps where a disc
-/// crosses the border. Without a width everything belongs to discs. Metres; `outer` at most twice `inner`, see
-/// `outerSquared`.
+/// crosses the border. Without a width everything belongs to discs. Metres; `outer` at most twice `inner`, which
+/// ClusterBound relies on.
 struct NearRange {
     float inner = 0.0f, outer = 0.0f;
     [[nodiscard]] bool isEmpty() const { return outer <= 0.0f; }
