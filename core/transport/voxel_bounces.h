@@ -15,7 +15,8 @@ struct BounceParams {
 /// after the other (the papers of 2006 and 2009, as docs/methods/voxel-lightcuts.md has it). `radiosity`: lm/m2 that
 /// leave each entry at first, reflected or emitted; `albedo`: red, green and blue of each. Gives the illuminance (lux)
 /// that arrives with this light and all it becomes. What an entry receives is divided by the sum of cosines of all
-/// directions that it could have come from, those where nothing was found too. O(directions x entries).
+/// directions that it could have come from, those where nothing was found too. Where few entries send most of a
+/// group's light, their light comes by shadow rays (`brightestOf`). O(directions x entries).
 ///
 /// Along directions that `stored` holds, made of the same voxels, no line is walked; along others (all, without it)
 /// lines are walked anew each bounce, by several light groups together. `rays` of the same scene look where lines lose
