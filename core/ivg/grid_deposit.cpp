@@ -72,6 +72,21 @@ std::uint64_t bitOf(float x, float y, int parts)
     return std::uint64_t{1} << (i + parts * j);
 }
 
+/// What lies beyond 0 or `most` is moved there.
+Floats4 within(const Floats4& at, float most)
+{
+    const Floats4 low = at > 0.0f ? at : Floats4{};
+    return low < most ? low : Floats4{} + most;
+}
+
+/// Of which parts of a face, along one of its sides, places in [0, 1] are.
+Ints4 partOf(const Floats4& place)
+{
+    constexpr int kLast = GridOpenness::kParts - 1;
+    const Ints4 part = __builtin_convertvector(place * static_cast<float>(GridOpenness::kParts), Ints4);
+    return part < kLast ? part : Ints4{} + kLast;
+}
+
 /// Faces that segments cross, gathered before anything is summed: memory is fetched meanwhile, and waiting for it was
 /// two fifths of the time. Sums are made in the order of the calls.
 class CrossedSlots {
@@ -82,11 +97,12 @@ public:
         if (segments_ == kRoom) flush();
         values_[segments_++] = values;
     }
-    void add(Slot& slot, std::uint64_t part)
+    /// `part` of the face, a number of GridOpenness::faceParts.
+    void add(Slot& slot, int part)
     {
         if (count_ == kRoom) flush();
         __builtin_prefetch(&slot, 1);
-        found_[count_++] = {&slot, part, segments_ - 1};
+        found_[count_++] = {&slot, static_cast<std::uint32_t>(part), static_cast<std::uint32_t>(segments_ - 1)};
     }
     /// Sums what is left. How many faces were open where they were crossed.
     std::uint64_t finish()
@@ -100,7 +116,7 @@ private:
     {
         for (std::size_t i = 0; i < count_; ++i) {
             const Found& f = found_[i];
-            if ((f.slot->parts & f.part) == 0) continue;
+            if ((f.slot->parts >> f.part & 1u) == 0) continue;
             for (std::size_t k = 0; k < 3; ++k) f.slot->add(k, values_[f.segment][k]);
             ++open_;
         }
@@ -111,8 +127,7 @@ private:
     static constexpr std::size_t kRoom = 64;
     struct Found {
         Slot* slot;
-        std::uint64_t part; ///< of the face, one bit
-        std::size_t segment;
+        std::uint32_t part, segment;
     };
     std::array<std::array<Floats4, 3>, kRoom> values_;
     std::array<Found, kRoom> found_;
@@ -184,18 +199,25 @@ struct GridDeposit::Work {
 
     std::uint64_t cross(const SegmentList& list, const Slab& slab)
     {
+        return slab.axis == 0 ? cross<0>(list, slab) : slab.axis == 1 ? cross<1>(list, slab) : cross<2>(list, slab);
+    }
+
+    template<int axis>
+    std::uint64_t cross(const SegmentList& list, const Slab& slab)
+    {
         CrossedSlots found;
-        const std::vector<ShortRange>& crossed = list.crossed[static_cast<std::size_t>(slab.axis)];
+        const std::vector<ShortRange>& crossed = list.crossed[axis];
         for (std::size_t i = 0; i < crossed.size(); ++i) {
             const PlaneRange planes = crossed[i].within(slab.planes);
-            if (planes.first <= planes.last) cross(list.segments[i], slab.axis, planes, found);
+            if (planes.first <= planes.last) cross<axis>(list.segments[i], planes, found);
         }
         return found.finish();
     }
 
-    void cross(const GridSegment& s, int axis, PlaneRange planes, CrossedSlots& found)
+    template<int axis>
+    void cross(const GridSegment& s, PlaneRange planes, CrossedSlots& found)
     {
-        const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+        constexpr int u = (axis + 1) % 3, v = (axis + 2) % 3;
         glm::vec3 w = s.toLight;
         const float along = std::abs(w[axis]), light = luminance(s.flux);
         float square = light * along;
@@ -207,14 +229,18 @@ struct GridDeposit::Work {
         found.begin(packed(w, s.flux, glm::vec3(square * square, 0.0f, 0.0f)));
         const int side = s.to[axis] < s.from[axis] ? 1 : 0; // light comes from where the photon does
         const auto mostU = static_cast<float>(lattice().cells[u]), mostV = static_cast<float>(lattice().cells[v]);
-        const auto rowU = std::size_t(lattice().cells[u] + 1), rowV = std::size_t(lattice().cells[v] + 1);
+        const int rowU = lattice().cells[u] + 1, rowV = lattice().cells[v] + 1;
         Slot* const first = slots.data() + 2 * std::size_t(axis) * lattice().vertexCount() + std::size_t(side);
-        forPlanes(s.from, s.to, axis, planes, [&](int plane, float atU, float atV) {
-            if (!s.isInside && !(atU >= 0.0f && atU <= mostU && atV >= 0.0f && atV <= mostV)) return;
-            const int i = static_cast<int>(atU + 0.5f), j = static_cast<int>(atV + 0.5f);
-            const float x = atU + 0.5f - static_cast<float>(i), y = atV + 0.5f - static_cast<float>(j);
-            found.add(first[2 * ((std::size_t(plane) * rowV + std::size_t(j)) * rowU + std::size_t(i))],
-                      bitOf(x, y, GridOpenness::kParts));
+        forFourPlanes<axis>(s.from, s.to, planes, [&](int plane, int count, const Floats4& atU, const Floats4& atV) {
+            const Floats4 inU = within(atU, mostU), inV = within(atV, mostV);
+            const Ints4 i = __builtin_convertvector(inU + 0.5f, Ints4), j = __builtin_convertvector(inV + 0.5f, Ints4);
+            const Ints4 face = 2 * (((plane + Ints4{0, 1, 2, 3}) * rowV + j) * rowU + i); // of 512 cells: still an int
+            const Ints4 part = partOf(inU + 0.5f - __builtin_convertvector(i, Floats4)) +
+                               GridOpenness::kParts * partOf(inV + 0.5f - __builtin_convertvector(j, Floats4));
+            for (int k = 0; k < count; ++k) {
+                if (!s.isInside && (inU[k] != atU[k] || inV[k] != atV[k])) continue;
+                found.add(first[face[k]], part[k]);
+            }
         });
     }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include "core/base/wide_vectors.h"
 #include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
@@ -38,6 +39,19 @@ inline void forPlanes(const glm::vec3& from, const glm::vec3& to, int axis, Plan
     for (int plane = planes.first; plane <= planes.last; ++plane) {
         const float way = static_cast<float>(plane) - from[axis];
         visit(plane, from[u] + way * du, from[v] + way * dv);
+    }
+}
+
+/// The same four planes at a time: visit(plane, count, us, vs), the last with fewer than four that count.
+template<int axis, class Visit>
+inline void forFourPlanes(const glm::vec3& from, const glm::vec3& to, PlaneRange planes, const Visit& visit)
+{
+    constexpr int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    const float perPlane = 1.0f / (to[axis] - from[axis]);
+    const float du = (to[u] - from[u]) * perPlane, dv = (to[v] - from[v]) * perPlane;
+    for (int plane = planes.first; plane <= planes.last; plane += 4) {
+        const Floats4 way = __builtin_convertvector(plane + Ints4{0, 1, 2, 3}, Floats4) - from[axis];
+        visit(plane, std::min(4, planes.last - plane + 1), from[u] + way * du, from[v] + way * dv);
     }
 }
 
