@@ -336,6 +336,7 @@ private Q_SLOTS:
                     double area = 0.0;
                     for (const Orientation& o : voxels->entries) area += static_cast<double>(o.area);
                     QVERIFY(std::abs(area / reach->area() - 1.0) <= 1e-4);
+                    meansHoldTheSame(*voxels, area);
                     for (std::size_t v = 0; v < voxels->voxels.size(); ++v) {
                         const glm::ivec3 cell = voxels->voxels[v];
                         QVERIFY(glm::all(glm::greaterThanEqual(cell, glm::ivec3(0))));
@@ -377,6 +378,22 @@ private Q_SLOTS:
                 QVERIFY(std::tie(q.slice, q.u, q.v) < std::tie(p.slice, p.u, p.v));
             }
         }
+    }
+
+private:
+    /// One entry per voxel, with all of its surface.
+    static void meansHoldTheSame(const SurfaceVoxels& voxels, double area)
+    {
+        const SurfaceVoxels means = withMeanNormals(voxels);
+        QCOMPARE(means.entries.size(), voxels.voxels.size());
+        double all = 0.0;
+        for (std::size_t v = 0; v < means.entries.size(); ++v) {
+            QCOMPARE(means.firstEntry[v], static_cast<std::uint32_t>(v));
+            QCOMPARE(means.firstPiece[v], voxels.firstPiece[voxels.firstEntry[v]]);
+            QVERIFY(std::abs(glm::length(means.entries[v].normal) - 1.0f) <= 1e-5f);
+            all += static_cast<double>(means.entries[v].area);
+        }
+        QVERIFY(std::abs(all / area - 1.0) <= 1e-5);
     }
 };
 
