@@ -34,7 +34,8 @@ struct CommandLine {
     QCommandLineParser parser;
     QCommandLineOption picture{"screenshot", "Write the window's picture and exit.", "OUT.png"};
     QCommandLineOption size{"size", "Size of the window, at least 320x240.", "WxH", "1280x800"};
-    QCommandLineOption method{"method", "Bake with light-octree or irradiance-grid.", "NAME", "light-octree"};
+    QCommandLineOption method{"method", "Bake with light-octree, irradiance-grid or voxel-lightcuts.", "NAME",
+                              "light-octree"};
     QCommandLineOption wait{"wait", "With --screenshot: wait for the final depth instead of the first one."};
 
     CommandLine()
@@ -97,7 +98,8 @@ int main(int argc, char** argv)
     if (parser.isSet(line.size) || isPicture) window.resize(wanted);
     if (parser.isSet(line.method)) {
         const auto method = lightloom::methodNamed(parser.value(line.method).toStdString());
-        if (!method || !window.showMethod(*method)) return usage("--method wants light-octree or irradiance-grid");
+        if (!method || !window.showMethod(*method))
+            return usage("--method wants light-octree, irradiance-grid or voxel-lightcuts");
     }
     window.show();
     if (isPicture) {

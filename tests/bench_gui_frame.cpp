@@ -95,7 +95,7 @@ int main(int argc, char** argv)
     while (!draw.drawEnvironments(1000.0)) {
     }
     const double mirrorsMs = static_cast<double>(mirrors.nsecsElapsed()) * 1e-6;
-    draw.overlay().setPhotons(FloatImage(size.x, size.y));
+    draw.overlay().setMade(FloatImage(size.x, size.y));
 
     const std::vector<GridForm> grids = gridForms(scene, params);
     if (grids.empty()) return 1;
@@ -108,7 +108,7 @@ int main(int argc, char** argv)
         std::string label;
         ViewMode mode;
         bool indirectOnly;
-        bool showsPhotons = false;
+        bool showsMade = false;
         std::shared_ptr<const GpuGrid> grid = nullptr; ///< null: the octree
         bool hasGuest = false;                         ///< which moves from picture to picture
     };
@@ -131,7 +131,7 @@ int main(int argc, char** argv)
         for (std::size_t i = 0; i < modes.size(); ++i) {
             frame.mode = modes[i].mode;
             frame.indirectOnly = modes[i].indirectOnly;
-            frame.showsPhotons = modes[i].showsPhotons;
+            frame.showsMade = modes[i].showsMade;
             if (modes[i].grid != set) {
                 set = modes[i].grid;
                 if (!(set ? draw.setGrid(set) : draw.setOctree(std::make_shared<GpuOctree>(*gpu)))) return 1;

@@ -4,7 +4,7 @@
 // while the window answers.
 #include "widgets/compare_desk.h"
 #include "widgets/gl/gl_probe.h"
-#include "widgets/photon_desk.h"
+#include "widgets/picture_desk.h"
 #include "widgets/scene_dock.h"
 #include "widgets/snapshot_bar.h"
 #include "window_helpers.h"
@@ -51,6 +51,10 @@ class GuiModesTest : public QObject {
     {
         viewport_->setFocus();
         QTest::keyClick(viewport_, key, with);
+    }
+    static const PhotonMapField* mapOf(const PictureDesk& desk)
+    {
+        return dynamic_cast<const PhotonMapField*>(desk.field().get());
     }
     [[nodiscard]] QImage picture() const
     {
@@ -129,13 +133,13 @@ private Q_SLOTS:
         const QImage octree = picture();
         const Heartbeat heartbeat;
         press(Qt::Key_2, Qt::AltModifier);
-        QVERIFY(QTest::qWaitFor([&] { return viewport_->hasPhotonPicture(); }, kPatience));
+        QVERIFY(QTest::qWaitFor([&] { return viewport_->hasMadePicture(); }, kPatience));
         // pictures are drawn by the processor here; nothing else may hold the loop
         qInfo("longest pause %lld ms, a frame takes %.0f ms", heartbeat.longestMs(), viewport_->frameMs());
         QVERIFY(static_cast<double>(heartbeat.longestMs()) <= std::max(1500.0, 8.0 * viewport_->frameMs()));
-        PhotonDesk& desk = *window_->photonDesk();
+        PictureDesk& desk = *window_->pictureDesk();
         QVERIFY(desk.field());
-        QVERIFY(desk.field()->layers()[0].cache);
+        QVERIFY(mapOf(desk)->layers()[0].cache);
         QVERIFY(QTest::qWaitFor([&] { return desk.stateText().contains("16 of 16"); }, kPatience));
         const QImage photons = picture();
         const double apart = meanDifference(octree, photons);
@@ -146,18 +150,18 @@ private Q_SLOTS:
 
     void anotherCameraKeepsTheCache()
     {
-        PhotonDesk& desk = *window_->photonDesk();
-        const auto cache = desk.field()->layers()[0].cache;
+        PictureDesk& desk = *window_->pictureDesk();
+        const auto cache = mapOf(desk)->layers()[0].cache;
         drag(*viewport_, {200, 200}, {260, 210});
-        QVERIFY(!viewport_->hasPhotonPicture()); // of another view: gone at once
-        QVERIFY(QTest::qWaitFor([&] { return viewport_->hasPhotonPicture(); }, kPatience));
-        QCOMPARE(desk.field()->layers()[0].cache, cache);
+        QVERIFY(!viewport_->hasMadePicture()); // of another view: gone at once
+        QVERIFY(QTest::qWaitFor([&] { return viewport_->hasMadePicture(); }, kPatience));
+        QCOMPARE(mapOf(desk)->layers()[0].cache, cache);
     }
 
     void anotherMixKeepsTheCache()
     {
-        PhotonDesk& desk = *window_->photonDesk();
-        const auto cache = desk.field()->layers()[0].cache;
+        PictureDesk& desk = *window_->pictureDesk();
+        const auto cache = mapOf(desk)->layers()[0].cache;
         const auto before = desk.field();
         const glm::vec3 p =
             window_->scene()->bounds.centre() * glm::vec3(1, 0, 1) + glm::vec3(0, window_->scene()->bounds.low.y, 0);
@@ -166,7 +170,7 @@ private Q_SLOTS:
         QVERIFY(slider);
         slider->setValue(50);
         QVERIFY(QTest::qWaitFor([&] { return desk.field() && desk.field() != before; }, kPatience));
-        QCOMPARE(desk.field()->layers()[0].cache, cache);
+        QCOMPARE(mapOf(desk)->layers()[0].cache, cache);
         QVERIFY(std::abs(desk.field()->irradiance(p, glm::vec3(0, 1, 0)).y / full - 0.5f) <= 1e-3f);
         slider->setValue(100);
         press(Qt::Key_1);

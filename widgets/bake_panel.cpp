@@ -15,13 +15,15 @@ namespace {
 
 QString stageWord(Stage stage, Method method)
 {
-    const bool isGrid = method == Method::irradianceGrid;
+    const bool isGrid = method == Method::irradianceGrid, isVoxels = method == Method::voxelLightcuts;
     switch (stage) {
     case Stage::shoot:
         return QObject::tr("Shooting photons");
     case Stage::build:
+        if (isVoxels) return QObject::tr("Finding who sees whom");
         return isGrid ? QObject::tr("Placing the grid") : QObject::tr("Building the octree");
     case Stage::fit:
+        if (isVoxels) return QObject::tr("Bouncing light");
         return isGrid ? QObject::tr("Summing light") : QObject::tr("Gathering light");
     case Stage::show:
         break;
@@ -120,6 +122,9 @@ void BakePanel::add(const BakeView& view)
         times_ += tr("%1: %2").arg(shortName(view), seconds(view.snapshot.elapsedMs));
     } else if (view.isGrid()) {
         times_ += tr("%1: %2, %3").arg(shortName(view), cost, gridSizeText(view.snapshot));
+    } else if (view.isVoxels()) {
+        times_ +=
+            tr("%1: %2, %3 voxels, %4 entries").arg(shortName(view), cost, count(view.leaves), count(view.entries));
     } else {
         const QString what = view.snapshot.isRough ? tr("Rough") : tr("Depth %1").arg(view.snapshot.level);
         times_ += tr("%1: %2, %3 entries").arg(what, cost, count(view.entries));
@@ -138,6 +143,14 @@ void BakePanel::end(const QString& outcome, const WorkCounters& c)
     stage_->setText(outcome);
     for (QLabel* label : {light_, counters_}) label->setEnabled(true);
     light_->setText(audit(c.ledger));
+    if (method_ == Method::voxelLightcuts) {
+        counters_->setText(tr("Voxels: %1 with %2 entries<br>Bounces: %3<br>Lamps: %4 on, light of %5 kept, %6 off")
+                               .arg(count(c.voxels), count(c.entries), count(c.bounces))
+                               .arg(c.groupsBaked)
+                               .arg(c.groupsReused)
+                               .arg(c.groupsOff));
+        return;
+    }
     QString text = tr("Photons: %1 shot, %2 stored, %3 kept from before<br>Rays: %4 traced")
                        .arg(count(c.photonsShot), count(c.photonsStored), count(c.photonsReused), count(c.raysTraced));
     text += tr("<br>Lamps: %1 on, photons of %2 kept, %3 off").arg(c.groupsBaked).arg(c.groupsReused).arg(c.groupsOff);

@@ -2,6 +2,7 @@
 #include "widgets/bake_view.h"
 #include "core/compare/field_noise.h"
 #include "core/octree/detail_union.h"
+#include "core/voxel/voxel_field.h"
 #include <QLocale>
 #include <QObject>
 #include <algorithm>
@@ -50,6 +51,19 @@ void addOctree(const std::shared_ptr<const LightOctree>& octree, BakeView& view)
     view.gpu = std::make_shared<const GpuOctree>(std::move(*gpu));
     view.gpuOfColours = std::make_shared<const GpuOctree>(std::move(*gpuOfColours));
     view.problem = std::move(textures.remark);
+}
+
+/// Drawn as a colour octree of the same leaves.
+void addVoxels(const VoxelField& field, BakeView& view)
+{
+    Result<GpuOctree> gpu = makeGpuOctree(field.octree());
+    if (!gpu) {
+        view.problem = QString::fromStdString(gpu.error().message);
+        return;
+    }
+    view.leaves = gpu->leafCount;
+    view.entries = gpu->entryCount;
+    view.gpu = std::make_shared<const GpuOctree>(std::move(*gpu));
 }
 
 void addGrid(std::shared_ptr<const IrradianceGrid> grid, const Look& look, BakeView& view)
@@ -119,6 +133,7 @@ QString gridSizeText(const Snapshot& snapshot)
 
 QString shortName(const BakeView& view)
 {
+    if (view.isVoxels()) return QObject::tr("N %1").arg(view.snapshot.level);
     const IrradianceGrid* grid = gridOf(view.snapshot);
     if (grid == nullptr)
         return view.snapshot.isRough ? QObject::tr("rough") : QObject::tr("d%1").arg(view.snapshot.level);
@@ -130,6 +145,7 @@ QString shortName(const BakeView& view)
 
 QString fullName(const BakeView& view)
 {
+    if (view.isVoxels()) return QObject::tr("Voxels, N %1").arg(view.snapshot.level);
     const IrradianceGrid* grid = gridOf(view.snapshot);
     if (grid == nullptr) {
         return view.snapshot.isRough ? QObject::tr("Light octree, rough")
@@ -167,6 +183,8 @@ BakeView withLook(BakeView view, const Look& look)
         addOctree(octree, view);
     } else if (const auto grid = std::dynamic_pointer_cast<const IrradianceGrid>(view.snapshot.field)) {
         addGrid(grid, look, view);
+    } else if (const auto* voxels = dynamic_cast<const VoxelField*>(view.snapshot.field.get())) {
+        addVoxels(*voxels, view);
     } else {
         view.problem = QStringLiteral("This viewport cannot show the method %1.")
                            .arg(QString::fromStdString(std::string(view.snapshot.field->method())));

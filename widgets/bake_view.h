@@ -26,7 +26,8 @@ struct Look {
 /// A refinement of a bake, ready for the viewport: made on a worker, never changed afterwards, cheap to copy.
 struct BakeView {
     Snapshot snapshot;                             ///< its field is as the look numbered `lookSerial` has it
-    std::shared_ptr<const GpuOctree> gpu;          ///< null: no octree, or its layout was refused, see `problem`
+    std::shared_ptr<const GpuOctree> gpu;          ///< also of voxels; null: neither, or its layout was refused, see
+                                                   ///< `problem`
     std::shared_ptr<const GpuGrid> gpuGrid;        ///< likewise, of an irradiance grid
     std::shared_ptr<const IndirectField> colours;  ///< an octree as a colour octree
     std::shared_ptr<const GpuOctree> gpuOfColours; ///< the same for the viewport; as `gpu`
@@ -42,9 +43,14 @@ struct BakeView {
     std::optional<double> noise;      ///< what the bake itself states, a fraction of the mean, under its mix
     std::uint64_t photonsPerLamp = 0; ///< of a grid, so far; 0: not known
     double cpuSeconds = 0; ///< of all threads, until this was published; what was kept counts as it cost then
-    std::uint64_t leaves = 0, entries = 0; ///< of an octree
+    std::uint64_t leaves = 0, entries = 0; ///< of an octree, or of voxels
 
-    [[nodiscard]] bool isGrid() const { return snapshot.field && snapshot.field->method() == "irradiance-grid"; }
+    [[nodiscard]] bool isGrid() const { return isBy("irradiance-grid"); }
+    [[nodiscard]] bool isVoxels() const { return isBy("voxel-lightcuts"); }
+    [[nodiscard]] bool isBy(std::string_view method) const
+    {
+        return snapshot.field && snapshot.field->method() == method;
+    }
     [[nodiscard]] std::size_t textureBytes() const
     {
         return (gpu ? gpu->memoryBytes() : 0) + (gpuGrid ? gpuGrid->memoryBytes() : 0);
@@ -61,7 +67,7 @@ struct Measurement {
 /// "32 x 20 x 32 cells", "32 x 20 x 32 cells, 40 x 40 x 24 finer ones inside".
 [[nodiscard]] QString gridSizeText(const Snapshot& snapshot);
 /// A refinement in a word or two, by what tells it from others: "rough", "d5"; of a grid its cells, photons a lamp and,
-/// where it is not the usual one, its form: "N 32, 400k", "N 48 + 96, 2M, flux".
+/// where it is not the usual one, its form: "N 32, 400k", "N 48 + 96, 2M, flux"; of voxels "N 64".
 [[nodiscard]] QString shortName(const BakeView& view);
 /// The same in words: "Light octree, depth 5", "Irradiance grid, N 32, 400,000 photons a lamp, joined, tricubic".
 [[nodiscard]] QString fullName(const BakeView& view);

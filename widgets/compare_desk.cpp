@@ -214,12 +214,13 @@ void CompareDesk::tellState()
 void CompareDesk::tellLegend()
 {
     const bool isReference = parts_.viewport->mode() == ViewMode::reference;
-    const bool isPhotonMap = parts_.viewport->mode() == ViewMode::photonMap;
-    const bool isNoteAlone = !note_.isEmpty() && !shown_ && !isReference && !isPhotonMap;
-    parts_.legend->setVisible(shown_ || isReference || isPhotonMap || isNoteAlone);
+    const ViewMode mode = parts_.viewport->mode();
+    const bool isMade = mode == ViewMode::photonMap || mode == ViewMode::lightcuts;
+    const bool isNoteAlone = !note_.isEmpty() && !shown_ && !isReference && !isMade;
+    parts_.legend->setVisible(shown_ || isReference || isMade || isNoteAlone);
     if (isNoteAlone) return parts_.legend->show(nullptr, note_);
-    if (isPhotonMap && !shown_) {
-        parts_.legend->show(nullptr, photonState_);
+    if (isMade && !shown_) {
+        parts_.legend->show(nullptr, pictureState_);
     } else if (shown_ && error_) {
         parts_.legend->show(error_, captionOf(*error_));
     } else if (shown_ || !picture_) {
@@ -235,9 +236,9 @@ void CompareDesk::showNote(const QString& text)
     tellLegend();
 }
 
-void CompareDesk::showPhotonState(const QString& text)
+void CompareDesk::showPictureState(const QString& text)
 {
-    photonState_ = text;
+    pictureState_ = text;
     tellLegend();
 }
 

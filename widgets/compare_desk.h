@@ -37,7 +37,7 @@ public:
     void showErrors(std::optional<ErrorKind> kind);
     void modeChanged();                 ///< the viewport's
     void showNote(const QString& text); ///< under the picture, where nothing else is to be said there; empty: none
-    void showPhotonState(const QString& text); ///< in the legend, while the mode is the photon map's
+    void showPictureState(const QString& text); ///< in the legend, while the processor makes the picture
 
     [[nodiscard]] bool isTracing() const;
     [[nodiscard]] const std::optional<ReferencePicture>& reference() const { return picture_; } ///< of this view
@@ -68,7 +68,7 @@ private:
     BakeView view_;
     std::optional<ErrorKind> shown_;
     QString problem_; ///< why no reference can be traced; empty: it can
-    QString photonState_, note_;
+    QString pictureState_, note_;
     std::uint64_t serial_ = 0; ///< of the question that fits what is seen; 0: none was asked
     std::optional<ReferencePicture> picture_;
     std::shared_ptr<const ViewError> error_;

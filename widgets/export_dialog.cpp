@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "widgets/export_dialog.h"
+#include "core/params/param_text.h"
 #include "widgets/panel_parts.h"
 #include <QCheckBox>
 #include <QComboBox>
@@ -174,8 +175,8 @@ void ExportDialog::showState()
         if (!path.empty() && file.exists()) replaced += file.fileName();
     }
     const std::optional<ExportOrder> order = order_();
-    const bool isGrid = order && order->view.isGrid();
-    const Result<Done> fine = checkExport(wanted, isGrid ? Method::irradianceGrid : Method::lightOctree);
+    const Result<Method> method = methodNamed(order ? order->view.snapshot.field->method() : "light-octree");
+    const Result<Done> fine = checkExport(wanted, method ? *method : Method::lightOctree);
     const bool hasPlace = !place.fileName().isEmpty() && place.dir().exists();
     go_->setEnabled(fine && hasPlace);
     say(!fine                ? QString::fromStdString(fine.error().message)

@@ -3,6 +3,7 @@
 #include "core/ivg/ivg_solver.h"
 #include "core/octree/octree_solver.h"
 #include "core/params/param_text.h"
+#include "core/voxel/voxel_solver.h"
 #include "widgets/atlas_desk.h"
 #include "widgets/bake_bridge.h"
 #include "widgets/bake_panel.h"
@@ -12,8 +13,8 @@
 #include "widgets/guest_desk.h"
 #include "widgets/message_bar.h"
 #include "widgets/param_panel.h"
-#include "widgets/photon_desk.h"
 #include "widgets/pick_desk.h"
+#include "widgets/picture_desk.h"
 #include "widgets/scene_dock.h"
 #include "widgets/scene_loader.h"
 #include "widgets/snapshot_bar.h"
@@ -73,6 +74,7 @@ QString fromView(std::string_view s) { return QString::fromUtf8(s.data(), static
 BakeParams bakedParams(const BakeView& view)
 {
     if (view.snapshot.isFinal || view.isGrid()) return view.params;
+    if (view.isVoxels()) return roughVoxelParams(view.params);
     BakeParams params = view.snapshot.isRough ? roughParams(view.params) : view.params;
     params.octreeDepth = view.snapshot.level;
     params.octreeDetail = 0; // these leaves come last
@@ -85,6 +87,10 @@ std::string missingIn(const BakeView& view)
     if (view.snapshot.isFinal) return {};
     if (view.isGrid()) return "fewer photons than asked for; the bake was not finished";
     const BakeParams baked = bakedParams(view);
+    if (view.isVoxels()) {
+        return fmt::format("{} voxels along a side of {}; the bake was not finished", view.snapshot.level,
+                           view.params.voxelSize);
+    }
     std::string text = fmt::format("depth {} of {}", view.snapshot.level, view.params.octreeDepth);
     if (view.params.octreeDetail > 0) text += ", no deeper leaves";
     if (!view.snapshot.isRough) return text + "; the bake was not finished";
@@ -131,7 +137,7 @@ MainWindow::~MainWindow()
     savePool_.waitForDone();
     delete exportDialog_;
     delete compareDesk_;
-    delete photonDesk_;
+    delete pictureDesk_;
     delete atlasDesk_;
     delete guestDesk_;
     delete bridge_;
@@ -257,7 +263,7 @@ void MainWindow::setScene(std::shared_ptr<const DrawData> opened, const QString&
     }
     sweepPanel_->setScene(data_->scene, file);
     if (compareDesk_ != nullptr) {
-        photonDesk_->forget();
+        pictureDesk_->forget();
         atlasDesk_->forget();
         pickDesk_->forget();
         guestDesk_->sceneChanged(scene.bounds);
@@ -319,7 +325,7 @@ void MainWindow::tellBusy()
     const bool isBusy = isBaking_ && !bridge_->isPaused();
     if (viewport_ != nullptr) viewport_->setBusy(isBusy);
     if (compareDesk_ != nullptr) compareDesk_->setBaking(isBusy);
-    if (photonDesk_ != nullptr) photonDesk_->setBaking(isBusy);
+    if (pictureDesk_ != nullptr) pictureDesk_->setBaking(isBusy);
     const bool isTracing = compareDesk_ != nullptr && compareDesk_->isTracing();
     sweepPanel_->holdFor(isBusy      ? tr("Waits for the bake")
                          : isTracing ? tr("Waits for the reference; R stops it")
@@ -364,13 +370,16 @@ void MainWindow::useParams()
         showGridLook();
         lookChanged();
     }
+    useVoxelShow();
     const auto stage = firstDifference(bakedParams_, params, method_);
     if (stage && *stage != Stage::show) startBake(false);
 }
 
 bool MainWindow::showMethod(Method method)
 {
-    const ViewMode mode = method == Method::irradianceGrid ? ViewMode::grid : ViewMode::octree;
+    const ViewMode mode = method == Method::irradianceGrid   ? ViewMode::grid
+                          : method == Method::voxelLightcuts ? ViewMode::lightcuts
+                                                             : ViewMode::octree;
     if (mode == ViewMode::octree && method != Method::lightOctree) return false;
     for (QAction* action : bakeModes_) {
         if (action->data().toInt() == static_cast<int>(mode)) action->trigger();
@@ -384,6 +393,7 @@ void MainWindow::useMethod(Method method)
     method_ = method;
     paramPanel_->setMethod(method);
     params_ = paramPanel_->params();
+    useVoxelShow();
     bakePanel_->setMethod(method);
     sweepPanel_->setMethod(method);
     startBake(false);
@@ -464,6 +474,9 @@ void MainWindow::showView(const BakeView& view)
         std::size_t open = view.gpuGrid ? view.gpuGrid->openVertices : 0;
         if (open > 0 && view.gpuGrid->inside) open += view.gpuGrid->inside->openVertices;
         statusSize_->setToolTip(tr("Irradiance grid as shown: %1 vertices know light, %2").arg(number(open), all));
+    } else if (view.isVoxels()) {
+        statusSize_->setText(tr("%1 voxels  %2").arg(number(view.leaves), size));
+        statusSize_->setToolTip(tr("Voxels as shown: %1 entries, %2").arg(number(view.entries), all));
     } else {
         statusSize_->setText(tr("d%1  %2 leaves  %3").arg(view.snapshot.level).arg(number(view.leaves), size));
         statusSize_->setToolTip(tr("Light octree as shown: %1 entries, %2").arg(number(view.entries), all));
@@ -474,7 +487,8 @@ BakeView MainWindow::asShown(BakeView view) const
 {
     if (viewport_ == nullptr) return view;
     if (viewport_->mode() == ViewMode::colours && view.colours) view.snapshot.field = view.colours;
-    if (viewport_->mode() == ViewMode::photonMap && photonDesk_->field()) view.snapshot.field = photonDesk_->field();
+    const bool isMade = viewport_->mode() == ViewMode::photonMap || viewport_->mode() == ViewMode::lightcuts;
+    if (isMade && pictureDesk_->field()) view.snapshot.field = pictureDesk_->field();
     return view;
 }
 
@@ -482,7 +496,7 @@ void MainWindow::judgeView()
 {
     const BakeView* view = snapshots_->shown();
     if (compareDesk_ != nullptr && view != nullptr && view->lookSerial == look_.serial) {
-        photonDesk_->setView(*view);
+        pictureDesk_->setView(*view);
         atlasDesk_->setView(*view);
         pickDesk_->setView(*view);
         compareDesk_->setView(asShown(*view));
@@ -502,13 +516,14 @@ void MainWindow::measure()
 void MainWindow::setMode(ViewMode mode)
 {
     if (mode == ViewMode::grid) useMethod(Method::irradianceGrid);
+    if (mode == ViewMode::lightcuts) useMethod(Method::voxelLightcuts);
     const bool isOfOctree = mode == ViewMode::octree || mode == ViewMode::colours || mode == ViewMode::photonMap;
     if (isOfOctree) useMethod(Method::lightOctree);
     if (viewport_ == nullptr) return;
     viewport_->setMode(mode);
-    photonDesk_->modeChanged();
+    pictureDesk_->modeChanged();
     atlasDesk_->modeChanged();
-    compareDesk_->showPhotonState(photonDesk_->stateText());
+    compareDesk_->showPictureState(pictureDesk_->stateText());
     judgeView();
     compareDesk_->modeChanged();
 }

@@ -34,7 +34,7 @@ class LampDesk;
 class LegendStrip;
 class MessageBar;
 class ParamPanel;
-class PhotonDesk;
+class PictureDesk;
 class PickDesk;
 class SceneDock;
 class SceneLoader;
@@ -71,7 +71,7 @@ public:
     [[nodiscard]] SnapshotBar& snapshots() const { return *snapshots_; }
     [[nodiscard]] BakePanel& bakePanel() const { return *bakePanel_; }
     [[nodiscard]] CompareDesk* compareDesk() const { return compareDesk_; } ///< null without OpenGL
-    [[nodiscard]] PhotonDesk* photonDesk() const { return photonDesk_; }    ///< likewise
+    [[nodiscard]] PictureDesk* pictureDesk() const { return pictureDesk_; } ///< likewise
     [[nodiscard]] PickDesk* pickDesk() const { return pickDesk_; }          ///< likewise
     [[nodiscard]] LampDesk* lampDesk() const { return lampDesk_; }          ///< likewise
     [[nodiscard]] GuestDesk* guestDesk() const { return guestDesk_; }       ///< likewise
@@ -108,6 +108,8 @@ private:
     void useParams();
     void useMethod(Method method); ///< bakes with it, if it is another
     void showGridLook();           ///< `look_` on the commands that change it
+    void showVoxelLook();          ///< `params_` likewise
+    void useVoxelShow();           ///< of `params_`
     void lampEdited(int lamp, bool isDimmed);
     void useMix();
     void lookChanged(); ///< `look_` is another
@@ -143,10 +145,12 @@ private:
     void addToneAction(const QString& text, const QString& brief, const QString& tip, int tone);
     // main_window_grid.cpp: ways to look at irradiance grids
     void makeGridActions();
+    void makeVoxelActions();
     void useFilter(GridFilter filter);
     void useForm(GridRemap remap, GridPacking packing);
     void markVertices(VertexMarks marks);
     void addGridMenu(QMenu& view);
+    void addVoxelMenu(QMenu& view);
     void makeGuestActions();
     void connectGuests();
     void guestAdded(const QString& name);
@@ -216,7 +220,7 @@ private:
     BakePanel* bakePanel_ = nullptr;
     SnapshotBar* snapshots_ = nullptr;
     CompareDesk* compareDesk_ = nullptr;
-    PhotonDesk* photonDesk_ = nullptr;
+    PictureDesk* pictureDesk_ = nullptr;
     AtlasDesk* atlasDesk_ = nullptr;
     PickDesk* pickDesk_ = nullptr;
     LampDesk* lampDesk_ = nullptr;
@@ -236,7 +240,7 @@ private:
             *pick_ = nullptr, *swapFilters_ = nullptr, *nextVertices_ = nullptr, *export_ = nullptr,
             *lampTool_ = nullptr, *saveScene_ = nullptr;
     QActionGroup *modes_ = nullptr, *shown_ = nullptr, *tones_ = nullptr, *filters_ = nullptr, *forms_ = nullptr,
-                 *vertices_ = nullptr;
+                 *vertices_ = nullptr, *lookups_ = nullptr;
     QList<QAction*> addGuests_; ///< one for each kind of object, and for files
     QAction* removeGuest_ = nullptr;
     QList<QAction*> bakeModes_; ///< those of `modes_` that show a bake

@@ -8,8 +8,8 @@
 #include "widgets/legend_strip.h"
 #include "widgets/main_window.h"
 #include "widgets/message_bar.h"
-#include "widgets/photon_desk.h"
 #include "widgets/pick_desk.h"
+#include "widgets/picture_desk.h"
 #include "widgets/sweep_panel.h"
 #include "widgets/viewport.h"
 #include "widgets/wipe_handle.h"
@@ -101,10 +101,10 @@ void MainWindow::connectCompare()
             [this] { statusStage_->setText(tr("Unwrapping the scene; the octree is shown meanwhile")); });
     connect(atlasDesk_, &AtlasDesk::made, this, [this](const QString& about) { statusStage_->setText(about); });
     connect(atlasDesk_, &AtlasDesk::failed, this, [this](const QString& problem) { messages_->show(problem); });
-    photonDesk_ = new PhotonDesk(viewport_, this);
-    connect(photonDesk_, &PhotonDesk::stateChanged, this,
-            [this] { compareDesk_->showPhotonState(photonDesk_->stateText()); });
-    connect(photonDesk_, &PhotonDesk::fieldChanged, this, &MainWindow::judgeView);
+    pictureDesk_ = new PictureDesk(viewport_, this);
+    connect(pictureDesk_, &PictureDesk::stateChanged, this,
+            [this] { compareDesk_->showPictureState(pictureDesk_->stateText()); });
+    connect(pictureDesk_, &PictureDesk::fieldChanged, this, &MainWindow::judgeView);
 }
 
 } // namespace lightloom

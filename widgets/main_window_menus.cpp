@@ -77,20 +77,23 @@ void MainWindow::makeActions()
     redo_->setStatusTip(tr("Make the edit again that was taken back"));
     quit_ = makeAction(tr("&Quit"), QKeySequence::Quit, tr("Close the window"));
     modes_ = new QActionGroup(this);
-    // 3 is kept for a method that is not here yet; what shows the same bake in other ways has Alt with it
+    // what shows the same bake in other ways has Alt with it
     bakeModes_ = {addModeAction(tr("&Octree"), Qt::Key_1, ViewMode::octree,
                                 tr("Direct light and the baked indirect light, from virtual lights")),
                   addModeAction(tr("&Grid"), Qt::Key_2, ViewMode::grid,
                                 tr("Direct light and indirect light from an irradiance grid, also on objects that were "
                                    "not in the bake")),
+                  addModeAction(tr("&Lightcuts"), Qt::Key_3, ViewMode::lightcuts,
+                                tr("Direct light and light of surface voxels; a picture gathered from all of them "
+                                   "comes over it")),
                   addModeAction(tr("&Colour octree"), Qt::ALT | Qt::Key_1, ViewMode::colours,
                                 tr("The same octree without directions: each cell keeps the sum of its light alone")),
                   addModeAction(tr("Photon &map"), Qt::ALT | Qt::Key_2, ViewMode::photonMap,
                                 tr("Irradiance kept at every 4th photon, the nearest answers; rendered bit by bit")),
                   addModeAction(tr("A&tlas"), Qt::ALT | Qt::Key_3, ViewMode::atlas,
                                 tr("The bake's light kept in a lightmap: each pixel reads one texel"))};
-    bakeModes_[2]->setIconText(tr("Colours")); // the toolbar is short
-    bakeModes_[3]->setIconText(tr("Photons"));
+    bakeModes_[3]->setIconText(tr("Colours")); // the toolbar is short
+    bakeModes_[4]->setIconText(tr("Photons"));
     addModeAction(tr("&Reference"), Qt::Key_4, ViewMode::reference,
                   tr("The path-traced picture, as far as it has come; the bake until then"));
     addModeAction(tr("&Direct"), Qt::Key_5, ViewMode::direct, tr("Light that comes straight from the lamps (preview)"));
@@ -121,6 +124,7 @@ void MainWindow::makeActions()
     for (QAction* action : {reload_, saveScene_, export_, start_, pause_, cancel_}) action->setEnabled(false);
     makeCompareActions();
     makeGridActions();
+    makeVoxelActions();
     makeGuestActions();
     connectActions();
 }
@@ -192,6 +196,7 @@ void MainWindow::buildMenus()
     view->addMenu(tr("&Show"))->addActions(shown_->actions());
     view->addAction(pick_);
     addGridMenu(*view);
+    addVoxelMenu(*view);
     view->addSeparator();
     view->addAction(frame_);
     cameraMenu_ = view->addMenu(tr("&Cameras"));

@@ -57,13 +57,15 @@ protected:
 
 QString groupTitle(Stage stage, Method method)
 {
-    const bool isGrid = method == Method::irradianceGrid;
+    const bool isGrid = method == Method::irradianceGrid, isVoxels = method == Method::voxelLightcuts;
     switch (stage) {
     case Stage::shoot:
-        return QObject::tr("Photons (shoots again)");
+        return isVoxels ? QObject::tr("Draws (light anew)") : QObject::tr("Photons (shoots again)");
     case Stage::build:
+        if (isVoxels) return QObject::tr("Voxels (all anew)");
         return isGrid ? QObject::tr("Grid (shoots again)") : QObject::tr("Octree (keeps photons)");
     case Stage::fit:
+        if (isVoxels) return QObject::tr("Light (keeps voxels)");
         return isGrid ? QObject::tr("Sums (shoots again)") : QObject::tr("Gather (keeps octree)");
     case Stage::show:
         break;

@@ -37,10 +37,15 @@ bool canVary(const ParamSpec& spec, Method method)
 }
 
 /// What its accuracy hangs on first.
-const char* firstParam(Method method) { return method == Method::irradianceGrid ? "grid.size" : "gather.count"; }
+const char* firstParam(Method method)
+{
+    if (method == Method::voxelLightcuts) return "voxel.size";
+    return method == Method::irradianceGrid ? "grid.size" : "gather.count";
+}
 
 QString nameOf(Method method)
 {
+    if (method == Method::voxelLightcuts) return QObject::tr("voxels");
     return method == Method::irradianceGrid ? QObject::tr("the irradiance grid") : QObject::tr("the light octree");
 }
 

@@ -68,8 +68,8 @@ void Viewport::initializeGL()
         return;
     }
     renderer_ = std::move(*made);
-    guestIsNew_ = sceneIsNew_ = bakeIsNew_ = coloursAreNew_ = mixIsNew_ = marksAreNew_ = referenceIsNew_ =
-        photonsAreNew_ = errorsAreNew_ = true; // what was set before there was a context
+    guestIsNew_ = sceneIsNew_ = bakeIsNew_ = coloursAreNew_ = mixIsNew_ = marksAreNew_ = referenceIsNew_ = madeIsNew_ =
+        errorsAreNew_ = true; // what was set before there was a context
 }
 
 void Viewport::releaseGl()
@@ -91,7 +91,7 @@ void Viewport::setScene(std::shared_ptr<const DrawData> drawn, bool keepCamera)
     guest_.reset();
     colours_.reset();
     reference_.reset();
-    photons_.reset();
+    made_.reset();
     errors_.reset();
     mix_.clear();
     sceneIsNew_ = mixIsNew_ = true;
@@ -185,7 +185,7 @@ void Viewport::setAtlas(std::shared_ptr<const AtlasDraw> atlas)
 void Viewport::setIndirectOnly(bool only)
 {
     frame_.indirectOnly = only;
-    referenceIsNew_ = photonsAreNew_ = true; // of them too
+    referenceIsNew_ = madeIsNew_ = true; // of them too
     changed();
 }
 
@@ -446,14 +446,14 @@ void Viewport::showWhole(const QElapsedTimer& all)
 bool Viewport::showsBake() const
 {
     return mode_ == ViewMode::octree || mode_ == ViewMode::grid || mode_ == ViewMode::atlas ||
-           mode_ == ViewMode::colours || mode_ == ViewMode::photonMap;
+           mode_ == ViewMode::colours || mode_ == ViewMode::photonMap || mode_ == ViewMode::lightcuts;
 }
 
 void Viewport::frameDone(double frameMs, double allMs)
 {
     frameMs_ = frameMs;
     pacer_.drew(scale_, isMoving_ || scale_ < 1.0f, frameMs, allMs);
-    if (needsMetering_ && (octree_ || grid_) && showsBake() && !showsPhotons() && overlay() == Overlay::none) meter();
+    if (needsMetering_ && (octree_ || grid_) && showsBake() && !showsMade() && overlay() == Overlay::none) meter();
     ++sample_;
     const bool isFull = !isMoving_ && scale_ == 1.0f;
     if (isFull && sample_ == 1 && underMouse()) hover_.start(); // something else may be under a cursor that rests

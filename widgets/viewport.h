@@ -41,7 +41,7 @@ public:
     /// the bake is shown meanwhile.
     void setReference(std::shared_ptr<const View> picture);
     /// The photon map's picture of what the camera sees now, for its mode. Null: none (yet); the octree is shown.
-    void setPhotonPicture(std::shared_ptr<const View> picture);
+    void setMadePicture(std::shared_ptr<const View> picture);
     /// How far the light shown is off it. Null: not known (yet).
     void setErrors(std::shared_ptr<const ViewError> errors);
     /// The scene's atlas, for its mode. Null: none (yet); the octree is shown.
@@ -76,7 +76,7 @@ public:
     [[nodiscard]] bool isRefined() const;
     [[nodiscard]] int shadowLayersDrawn() const { return renderer_ ? renderer_->shadowLayersDrawn() : 0; }
     [[nodiscard]] bool hasAtlas() const { return atlas_ != nullptr; }
-    [[nodiscard]] bool hasPhotonPicture() const { return photons_ != nullptr; }
+    [[nodiscard]] bool hasMadePicture() const { return made_ != nullptr; }
     [[nodiscard]] const FramePacer& pacer() const { return pacer_; }
     /// Share of the widget's resolution of the last picture.
     [[nodiscard]] float scale() const { return scale_; }
@@ -118,7 +118,10 @@ private:
     [[nodiscard]] Overlay overlay() const;        ///< that there is something to show for
     [[nodiscard]] FrameView frameNow() const;     ///< `frame_` with camera, mode and overlay
     [[nodiscard]] bool showsBake() const;         ///< its indirect light, in whatever way
-    [[nodiscard]] bool showsPhotons() const { return mode_ == ViewMode::photonMap && photons_; }
+    [[nodiscard]] bool showsMade() const
+    {
+        return (mode_ == ViewMode::photonMap || mode_ == ViewMode::lightcuts) && made_;
+    }
     void uploadComparison();
     void overlayChanged(Overlay before); ///< what is laid over the picture, or that it is
     void showWhole(const QElapsedTimer& all);
@@ -143,13 +146,12 @@ private:
     std::shared_ptr<const DrawData> guest_;
     glm::mat4 guestPlace_{1.0f};
     bool guestIsNew_ = false;
-    std::shared_ptr<const View> reference_, photons_;
+    std::shared_ptr<const View> reference_, made_;
     std::shared_ptr<const AtlasDraw> atlas_;
     bool atlasIsNew_ = false, atlasReady_ = true; ///< ready: nothing of it is still to be rendered
     std::shared_ptr<const ViewError> errors_;
     ViewMode mode_ = ViewMode::octree;
-    bool errorsShown_ = false, referenceIsNew_ = false, photonsAreNew_ = false, errorsAreNew_ = false,
-         presentOnly_ = false;
+    bool errorsShown_ = false, referenceIsNew_ = false, madeIsNew_ = false, errorsAreNew_ = false, presentOnly_ = false;
     std::optional<float> wipe_;
     std::vector<Mark> marks_, lampMarks_;
     bool isPicking_ = false, marksAreNew_ = false, lampsAreNew_ = false;

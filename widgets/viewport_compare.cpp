@@ -13,13 +13,13 @@ void Viewport::setReference(std::shared_ptr<const View> picture)
     overlayChanged(before);
 }
 
-void Viewport::setPhotonPicture(std::shared_ptr<const View> picture)
+void Viewport::setMadePicture(std::shared_ptr<const View> picture)
 {
-    if (picture == photons_) return;
-    const bool before = showsPhotons();
-    photons_ = std::move(picture);
-    photonsAreNew_ = true;
-    if (showsPhotons() != before) {
+    if (picture == made_) return;
+    const bool before = showsMade();
+    made_ = std::move(picture);
+    madeIsNew_ = true;
+    if (showsMade() != before) {
         news();
     } else if (before) {
         present();
@@ -84,9 +84,9 @@ FrameView Viewport::frameNow() const
     frame.overlay = overlay();
     frame.wipe = wipe_.value_or(1.0f);
     frame.mode = mode_ == ViewMode::reference ? ViewMode::octree : mode_;
-    frame.showsPhotons = showsPhotons();
+    frame.showsMade = showsMade();
     // covered all over: only where there are surfaces is still asked, and that is quickest so
-    if (frame.showsPhotons || (frame.overlay != Overlay::none && !wipe_)) frame.mode = ViewMode::plain;
+    if (frame.showsMade || (frame.overlay != Overlay::none && !wipe_)) frame.mode = ViewMode::plain;
     return frame;
 }
 
@@ -97,13 +97,11 @@ void Viewport::uploadComparison()
                                         : frame_.indirectOnly ? reference_->indirect
                                                               : wholeView(*reference_));
     }
-    if (photonsAreNew_) {
-        renderer_->overlay().setPhotons(!photons_             ? FloatImage()
-                                        : frame_.indirectOnly ? photons_->indirect
-                                                              : wholeView(*photons_));
+    if (madeIsNew_) {
+        renderer_->overlay().setMade(!made_ ? FloatImage() : frame_.indirectOnly ? made_->indirect : wholeView(*made_));
     }
     if (errorsAreNew_) renderer_->overlay().setErrors(errors_ ? *errors_ : ViewError());
-    referenceIsNew_ = photonsAreNew_ = errorsAreNew_ = false;
+    referenceIsNew_ = madeIsNew_ = errorsAreNew_ = false;
 }
 
 glm::ivec2 Viewport::pixels() const

@@ -342,7 +342,7 @@ private:
         command->add_option("--lightmap", c.lightmap, "Lux on every surface, unfolded")->option_text("OUT.exr");
         command->add_option("--gltf", c.gltf, "The scene with its lightmap; an .exr goes beside it")
             ->option_text("OUT.glb");
-        command->add_option("--volume", c.volume, "Leaves of an octree, or vertices of a grid, as OpenVDB grids")
+        command->add_option("--volume", c.volume, "Leaves of an octree, vertices of a grid or voxels, as OpenVDB grids")
             ->option_text("OUT.vdb");
         auto* size = command->add_option("--atlas-size", c.size, "Texels a side of the lightmap, 1024 without")
                          ->option_text("N");

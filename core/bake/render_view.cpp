@@ -22,7 +22,7 @@ View continueView(const RayScene& rays, const LightSampler& lights, const Mix& m
     const std::function<void(double)> first = part(0.0, byPhotons ? 0.5 : 1.0), second = part(0.5, 1.0);
     ViewPass pass{eye, job, Lens(job), workers, stop, first};
     if (job.indirect == ViewJob::Indirect::field && field->isCostly() && !job.finalGather) {
-        state.middles.resize(pass.pixelCount());
+        state.middles.resize(pass.blockCount());
         pass.middles = &state.middles;
     }
     View view = job.targetError > 0.0f ? adaptiveView(pass, state.ended) : evenView(pass, state.pixels);

@@ -23,7 +23,10 @@ struct ViewJob {
     bool finalGather = false; ///< gather at what the eye sees, and ask the field at the gather rays' hits alone
     int pathDepth = 1024;
     std::uint64_t seed = 1;
-    bool caustics = true;   ///< by paths: photons for small lamps by way of mirrors (CausticLamps)
+    bool caustics = true; ///< by paths: photons for small lamps by way of mirrors (CausticLamps)
+    int block = 1; ///< 1, 2, 4, 8 or 16, with a costly field: side of the squares of pixels that share its light where
+                   ///< they see the same surface; above 1 a quick look, for a picture that is to come soon, and no
+                   ///< light of its own elsewhere
     bool withDirect = true; ///< false: `View::direct` stays black, for whoever looks at the indirect light alone
 };
 
@@ -54,8 +57,8 @@ struct PixelLight {
 struct CausticPixel {
     glm::dvec3 sum{0.0}, squares{0.0}; ///< of the rounds' radiances, cd/m2
 };
-/// Indirect light on the surface in the middle of a pixel, for fields that are costly to ask: all samples of the pixel
-/// that see this surface take it.
+/// Indirect light on the surface in the middle of a block of pixels, for fields that are costly to ask: all samples of
+/// the block that see this surface take it.
 struct MiddleLight {
     bool isKnown = false, isThere = false; ///< looked for; found
     glm::vec3 position{0.0f}, normal{0.0f}, lux{0.0f};
@@ -73,7 +76,7 @@ struct ViewState {
     std::vector<PixelLight> ended;      ///< of a job with one
     std::vector<CausticPixel> caustics; ///< empty where the scene has no such light
     std::uint64_t causticRounds = 0;
-    std::vector<MiddleLight> middles; ///< of a costly field, by pixel; what is not there is found again
+    std::vector<MiddleLight> middles; ///< of a costly field, by block; what is not there is found again
 };
 
 /// Camera rays start at the camera's near plane; outside the scene is black. Seen directly or in mirrors, a surface

@@ -94,7 +94,8 @@ glm::vec3 Eye::indirectLux(glm::vec3 p, glm::vec3 n, Rng& rng, const MiddleLight
 {
     if (middle && middle->isFor(p, n, 8.0f * rays_.offset())) return middle->lux;
     glm::vec3 lux(0.0f);
-    if (job_.finalGather || !field_->lookup(p, n, lux))
+    const bool isQuick = middle && job_.block > 1;
+    if (job_.finalGather || !(isQuick ? field_->lookupQuick(p, n, lux) : field_->lookup(p, n, lux)))
         lux = gatherIndirect(rays_, lights_, mix_, cached_, p, n, gatherRays_, 1, rng);
     return lux;
 }

@@ -10,7 +10,7 @@ namespace lightloom {
 namespace {
 
 constexpr std::uint64_t kViewStream = hashName("render view"), kGoalStream = hashName("render view, first look");
-constexpr int kTile = 16; ///< side of what one thread takes at a time
+constexpr int kTile = 16; ///< side of what one thread takes at a time; blocks of pixels are parts of it
 constexpr int kBatch = 4; ///< samples; the spread of batches tells the error
 
 View emptyView(const ViewJob& job)
@@ -36,13 +36,36 @@ Radiance ViewPass::sample(std::size_t pixel, std::uint64_t number, int perBatch)
     const auto width = static_cast<std::size_t>(job.width);
     const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
     glm::vec3 origin, travel;
-    MiddleLight* const middle = middles ? &(*middles)[pixel] : nullptr;
-    if (middle && !middle->isKnown) {
-        lens.ray(x, y, glm::vec2(0.5f), origin, travel);
-        *middle = eye.middle(origin, travel);
-    }
+    const MiddleLight* middle = middles ? &middleOf(x, y) : nullptr;
     lens.ray(x, y, placeInPixel(job, pixel, number, perBatch), origin, travel);
     return eye.along(origin, travel, rng, middle);
+}
+
+namespace {
+
+int blocksAlong(int pixels, int block) { return (pixels + block - 1) / block; }
+
+} // namespace
+
+std::size_t ViewPass::blockCount() const
+{
+    return static_cast<std::size_t>(blocksAlong(job.width, job.block)) *
+           static_cast<std::size_t>(blocksAlong(job.height, job.block));
+}
+
+/// The block's that pixel (x, y) lies in. Looked for by whoever comes first: one thread works on a block.
+const MiddleLight& ViewPass::middleOf(int x, int y) const
+{
+    const int side = job.block;
+    const int block = y / side * blocksAlong(job.width, side) + x / side;
+    MiddleLight& middle = (*middles)[static_cast<std::size_t>(block)];
+    if (middle.isKnown) return middle;
+    const int left = x / side * side, top = y / side * side;
+    const glm::vec2 half = 0.5f * glm::vec2(glm::min(side, job.width - left), glm::min(side, job.height - top));
+    glm::vec3 origin, travel;
+    lens.ray(left, top, half, origin, travel);
+    middle = eye.middle(origin, travel);
+    return middle;
 }
 
 View evenView(const ViewPass& pass, std::vector<PixelSums>& pixels)

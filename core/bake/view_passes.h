@@ -13,14 +13,18 @@ struct ViewPass {
     Workers& workers;
     const std::stop_token& stop;
     const std::function<void(double)>& progress;
-    std::vector<MiddleLight>* middles = nullptr; ///< of all pixels; null: each sample asks the field
+    std::vector<MiddleLight>* middles = nullptr; ///< of all blocks; null: each sample asks the field
 
+    [[nodiscard]] std::size_t blockCount() const; ///< of ViewJob::block
     [[nodiscard]] std::size_t pixelCount() const
     {
         return static_cast<std::size_t>(job.width) * static_cast<std::size_t>(job.height);
     }
     /// Sample `number` of a pixel; `perBatch` samples are one even set over the pixel.
     [[nodiscard]] Radiance sample(std::size_t pixel, std::uint64_t number, int perBatch) const;
+
+private:
+    [[nodiscard]] const MiddleLight& middleOf(int x, int y) const;
 };
 
 /// One camera ray at a time for every pixel, so that a stop leaves an even picture.

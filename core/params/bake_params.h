@@ -141,7 +141,7 @@ inline constexpr std::array kParams{
               "Another seed gives an independent result of the same quality; the difference of two shows the noise."},
     ParamSpec{"photons", "Photons per light group", "", 0, 1e9, 50'000, kForPhotons, Stage::shoot, &BakeParams::photonCount, {},
               "Noise falls with the square root; tracing time and memory grow in step. Each light group gets this many."},
-    ParamSpec{"path.depth", "Longest path", "bounces", 1, 100'000, 1, kForAll, Stage::shoot, &BakeParams::pathDepth, {},
+    ParamSpec{"path.depth", "Longest path", "bounces", 1, 100'000, 1, kForPhotons | kForReference, Stage::shoot, &BakeParams::pathDepth, {},
               "Safety net behind Russian roulette; paths that reach it are counted and their light is missing."},
     ParamSpec{"octree.depth", "Octree depth", "levels", 1, 10, 1, kForOctree, Stage::build, &BakeParams::octreeDepth, {},
               "Cells are the longest side / 2^depth. Finer cells show more detail; time and memory grow fourfold a level."},

@@ -147,6 +147,9 @@ Result<BakeParams> preset(std::string_view name, Method method)
         params.gatherCount = 100;
         params.octreeDepth = 5;
         params.octreeFirstDepth = 4;
+        params.voxelSize = 32;
+        params.voxelDirections = 256;
+        params.voxelThreshold = 0.05f;
         params.directSamples = 16;
         params.pixelSamples = 4;
         params.referenceSamples = 256;
@@ -158,6 +161,11 @@ Result<BakeParams> preset(std::string_view name, Method method)
         params.gatherCount = 1600;
         params.gridSize = 48;
         params.gridNest = GridNest::automatic;
+        params.voxelSize = 128;
+        params.voxelDirections = 1024;
+        params.voxelThreshold = 0.005f;
+        params.voxelCut = 5000;
+        params.voxelNear = 128;
         params.directSamples = 256;
         params.pixelSamples = 64;
         params.referenceSamples = 16384;

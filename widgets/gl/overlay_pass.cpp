@@ -26,7 +26,7 @@ GlTexture upload(Gl& gl, const FloatImage& radiance)
 } // namespace
 
 void OverlayPass::setPicture(const FloatImage& radiance) { picture_ = upload(*gl_, radiance); }
-void OverlayPass::setPhotons(const FloatImage& radiance) { photons_ = upload(*gl_, radiance); }
+void OverlayPass::setMade(const FloatImage& radiance) { made_ = upload(*gl_, radiance); }
 
 void OverlayPass::setErrors(const ViewError& error)
 {
@@ -40,7 +40,7 @@ void OverlayPass::setErrors(const ViewError& error)
 
 void OverlayPass::draw(const FrameView& frame, const GBuffer& buffers, int samples, glm::ivec2 window) const
 {
-    if (frame.showsPhotons && photons_) drawPicture(photons_, frame, buffers, samples);
+    if (frame.showsMade && made_) drawPicture(made_, frame, buffers, samples);
     const bool isErrors = frame.overlay == Overlay::errors;
     const GlTexture& texture = isErrors ? errors_ : picture_;
     if (frame.overlay == Overlay::none || !texture) return;

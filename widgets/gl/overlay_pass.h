@@ -16,7 +16,7 @@ public:
     [[nodiscard]] static Result<OverlayPass> make(Gl& gl, const ShaderLibrary& shaders);
 
     void setPicture(const FloatImage& radiance); ///< uploads at once; without pixels: none
-    void setPhotons(const FloatImage& radiance); ///< likewise
+    void setMade(const FloatImage& radiance);    ///< likewise
     void setErrors(const ViewError& error);
 
     /// On the left `frame.wipe` of the target of `window` pixels, which is bound. `buffers` holds the frame's own sum
@@ -32,7 +32,7 @@ private:
 
     Gl* gl_;
     GlProgram pictureProgram_, errorProgram_;
-    GlTexture picture_, photons_, errors_;
+    GlTexture picture_, made_, errors_;
     float top_ = 1.0f;
     bool isSigned_ = false;
 };

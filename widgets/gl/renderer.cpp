@@ -341,6 +341,7 @@ PreviewMode* Renderer::indirectOf(ViewMode mode)
     switch (mode) {
     case ViewMode::octree:
     case ViewMode::grid:
+    case ViewMode::lightcuts:
     case ViewMode::photonMap:
         return &bake();
     case ViewMode::atlas:

@@ -17,6 +17,7 @@ namespace lightloom {
 enum class ViewMode {
     octree,    ///< direct light of the lamps and indirect light of the bake, a light octree
     grid,      ///< the same, an irradiance grid; until there is one, what there is
+    lightcuts, ///< the same, voxels; a picture that the processor renders from them lies over it once it is there
     atlas,     ///< the same through a lightmap: each pixel reads one texel; the bake until there is one
     colours,   ///< as octree, with a colour octree: accumulated illuminance without directions
     photonMap, ///< a picture that the processor renders from the photon map; the octree until there is one
@@ -37,7 +38,7 @@ struct FrameView {
     float exposureEv = 10.0f;   ///< at ISO 100
     int tone = 1;               ///< kToneNone, kToneSoft
     glm::vec3 background{0.2f}; ///< as shown, not linear
-    bool showsPhotons = false;  ///< the photon map's picture covers the frame
+    bool showsMade = false;     ///< a picture that the processor made covers the frame
     Overlay overlay = Overlay::none;
     float wipe = 1.0f; ///< part of the width, from the left, that the overlay covers
 };
@@ -52,7 +53,7 @@ public:
     Result<Done> setScene(std::shared_ptr<const DrawData> data);
     /// An edit of the scene's lamps; its light stays until other comes.
     Result<Done> setLamps(const DrawData& data);
-    /// Light of the bake, an octree or a grid: the one that was set last.
+    /// Light of the bake, an octree (or voxels in the form of one) or a grid: the one that was set last.
     Result<Done> setOctree(const std::shared_ptr<const GpuOctree>& octree);
     Result<Done> setGrid(const std::shared_ptr<const GpuGrid>& grid);
     Result<Done> setColours(const std::shared_ptr<const GpuOctree>& octree); ///< a colour octree

@@ -1,19 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "widgets/photon_worker.h"
+#include "widgets/picture_worker.h"
 #include "widgets/background.h"
 
 namespace lightloom {
 
 namespace {
 
-constexpr int kRoughly = 4;                                         ///< a rough picture is smaller by this, each way
+constexpr int kRoughly = 4;          ///< a rough picture of a photon map is smaller by this, each way
+constexpr int kBlocks[] = {2, 4, 8}; ///< sides of blocks of pixels in pictures by lightcuts, the last one first
+constexpr int kRoughShadows = 16;    ///< shadow rays per shining surface and pixel in these
 constexpr double kFirstSlice = 0.2, kLastSlice = 1.5, kGrows = 0.2; ///< seconds; part of all before
 constexpr auto kTellEvery = std::chrono::milliseconds(200);
 
-std::vector<std::shared_ptr<const PhotonMap>> mapsOf(const PhotonMapField& field)
+std::vector<std::shared_ptr<const PhotonMap>> mapsOf(const PictureQuestion& question)
 {
     std::vector<std::shared_ptr<const PhotonMap>> maps;
-    for (const auto& layer : field.layers()) maps.push_back(layer.map);
+    if (!question.photons) return maps;
+    for (const auto& layer : question.photons->layers()) maps.push_back(layer.map);
     return maps;
 }
 
@@ -26,29 +29,29 @@ bool fit(const std::vector<PhotonMapField::Layer>& layers, const PhotonMapField&
 
 } // namespace
 
-PhotonWorker::PhotonWorker(QObject* parent)
+PictureWorker::PictureWorker(QObject* parent)
     : QObject(parent), thread_([this](const std::stop_token& quit) { work(quit); })
 {
 }
 
-PhotonWorker::~PhotonWorker()
+PictureWorker::~PictureWorker()
 {
     thread_.request_stop();
     thread_.join();
 }
 
-std::uint64_t PhotonWorker::ask(PhotonQuestion question)
+std::uint64_t PictureWorker::ask(PictureQuestion question)
 {
     std::lock_guard lock(mutex_);
     drawing_.request_stop();
-    if (mapsOf(*question.photons) != fillingFor_) filling_.request_stop(); // else what is filled will serve it
+    if (mapsOf(question) != fillingFor_) filling_.request_stop(); // else what is filled will serve it
     question_ = std::move(question);
     isForgotten_ = false;
     wake_.notify_one();
     return ++serial_;
 }
 
-void PhotonWorker::cancel()
+void PictureWorker::cancel()
 {
     std::lock_guard lock(mutex_);
     question_.reset();
@@ -58,7 +61,7 @@ void PhotonWorker::cancel()
     wake_.notify_one();
 }
 
-void PhotonWorker::setHeld(bool held)
+void PictureWorker::setHeld(bool held)
 {
     std::lock_guard lock(mutex_);
     isHeld_ = held;
@@ -69,13 +72,13 @@ void PhotonWorker::setHeld(bool held)
     wake_.notify_one();
 }
 
-void PhotonWorker::work(const std::stop_token& quit)
+void PictureWorker::work(const std::stop_token& quit)
 {
     lowerPriority(kCompareNice);
     Workers workers; // its threads inherit the priority
     const FlushDenormals flush;
     Desk desk;
-    const auto isBusy = [&] { return desk.question && (!desk.field || !desk.fine || !desk.fine->isWhole()); };
+    const auto isBusy = [&] { return desk.question && !desk.isDone(); };
     while (true) {
         std::unique_lock lock(mutex_);
         const auto isTurn = [&] { return !isHeld_ && (isForgotten_ || question_ || isBusy()); };
@@ -85,15 +88,8 @@ void PhotonWorker::work(const std::stop_token& quit)
         const std::stop_callback linked(quit, [&slice] { slice.request_stop(); });
         if (std::exchange(isForgotten_, false)) desk.question.reset();
         if (question_) {
-            desk.question = std::exchange(question_, std::nullopt);
             desk.serial = serial_;
-            desk.field.reset();
-            desk.rough.reset();
-            desk.fine.reset();
-            if (fit(desk.cached, *desk.question->photons)) {
-                desk.field = std::make_shared<PhotonMapField>(desk.question->photons->area(), desk.cached,
-                                                              desk.question->photons->mix());
-            }
+            takeUp(*std::exchange(question_, std::nullopt), desk);
         }
         lock.unlock();
         if (!isBusy()) continue;
@@ -104,7 +100,7 @@ void PhotonWorker::work(const std::stop_token& quit)
                 fill(desk, workers, quit);
             }
         } catch (const std::bad_alloc&) {
-            PhotonPicture none;
+            MadePicture none;
             none.serial = desk.serial;
             none.problem = tr("the picture needs more memory than there is; make the window smaller");
             desk = Desk();
@@ -113,15 +109,29 @@ void PhotonWorker::work(const std::stop_token& quit)
     }
 }
 
-void PhotonWorker::fill(Desk& desk, Workers& workers, const std::stop_token& quit)
+void PictureWorker::takeUp(PictureQuestion question, Desk& desk)
 {
+    desk.question = std::move(question);
+    desk.field.reset();
+    desk.pictures.clear();
+    const auto& photons = desk.question->photons;
+    if (!desk.question->voxels && fit(desk.cached, *photons))
+        desk.field = std::make_shared<PhotonMapField>(photons->area(), desk.cached, photons->mix());
+}
+
+void PictureWorker::fill(Desk& desk, Workers& workers, const std::stop_token& quit)
+{
+    if (desk.question->voxels) {
+        desk.field = std::make_shared<VoxelCuts>(desk.question->voxels, desk.question->rays, desk.question->show);
+        return;
+    }
     std::stop_source stop;
     const std::stop_callback linked(quit, [&stop] { stop.request_stop(); });
     {
         std::lock_guard lock(mutex_);
         if (question_ || isHeld_ || isForgotten_) return; // taken up before anything is begun
         filling_ = stop;
-        fillingFor_ = mapsOf(*desk.question->photons);
+        fillingFor_ = mapsOf(*desk.question);
     }
     BakeControl control(workers, {}, stop.get_token());
     std::mutex telling;
@@ -130,7 +140,7 @@ void PhotonWorker::fill(Desk& desk, Workers& workers, const std::stop_token& qui
         std::lock_guard lock(telling);
         if (std::chrono::steady_clock::now() - told < kTellEvery) return;
         told = std::chrono::steady_clock::now();
-        Q_EMIT shown({nullptr, nullptr, part, desk.serial, {}});
+        Q_EMIT shown({nullptr, nullptr, part, 1, desk.serial, {}});
     });
     {
         std::lock_guard lock(mutex_);
@@ -141,23 +151,36 @@ void PhotonWorker::fill(Desk& desk, Workers& workers, const std::stop_token& qui
     desk.field = filled;
 }
 
-void PhotonWorker::draw(Desk& desk, Workers& workers, const std::stop_token& stop)
+void PictureWorker::draw(Desk& desk, Workers& workers, const std::stop_token& stop)
 {
-    const PhotonQuestion& q = *desk.question;
-    if (!desk.fine) {
-        ViewJob small = q.job;
-        small.width = std::max(1, small.width / kRoughly);
-        small.height = std::max(1, small.height / kRoughly);
-        desk.rough.emplace(q.rays, q.lights, desk.field->mix(), desk.field, small);
-        desk.fine.emplace(q.rays, q.lights, desk.field->mix(), desk.field, q.job);
+    const PictureQuestion& q = *desk.question;
+    if (desk.pictures.empty()) {
+        const auto add = [&](ViewJob job) {
+            const Mix& mix = q.voxels ? q.voxels->mix() : q.photons->mix();
+            desk.pictures.emplace_back(q.rays, q.lights, mix, desk.field, std::move(job));
+        };
+        add(q.job);
+        ViewJob rough = q.job;
+        for (const int block : kBlocks) {
+            if (!q.voxels) break;
+            rough.block = block;
+            rough.samples = 1;
+            rough.directSamples = kRoughShadows;
+            add(rough);
+        }
+        if (!q.voxels) {
+            rough.width = std::max(1, rough.width / kRoughly);
+            rough.height = std::max(1, rough.height / kRoughly);
+            add(rough);
+        }
     }
-    const bool isRough = desk.rough.has_value();
-    ProgressiveView& making = isRough ? *desk.rough : *desk.fine;
+    ProgressiveView& making = desk.pictures.back();
     const double seconds = std::clamp(kGrows * making.seconds(), kFirstSlice, kLastSlice);
     View view = making.advance(seconds, workers, stop);
     if (view.samples == 0 || (stop.stop_requested() && !view.isWhole)) return; // part of a camera ray per pixel
-    if (isRough) desk.rough.reset();
-    Q_EMIT shown({std::make_shared<const View>(std::move(view)), desk.field, 1.0, desk.serial, {}});
+    const int block = making.job().block;
+    if (desk.pictures.size() > 1) desk.pictures.pop_back();
+    Q_EMIT shown({std::make_shared<const View>(std::move(view)), desk.field, 1.0, block, desk.serial, {}});
 }
 
 } // namespace lightloom
