@@ -65,7 +65,7 @@ class VoxelCutsTest : public QObject {
     [[nodiscard]] std::shared_ptr<const IndirectField> shown(VoxelLookup lookup)
     {
         params_.voxelLookup = lookup;
-        return *shownField(field_, params_, at_.rays);
+        return *shownField(field_, params_, at_.lights);
     }
     [[nodiscard]] glm::vec3 gathered(glm::vec3 p, glm::vec3 n) const
     {

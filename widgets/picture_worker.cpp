@@ -122,7 +122,7 @@ void PictureWorker::takeUp(PictureQuestion question, Desk& desk)
 void PictureWorker::fill(Desk& desk, Workers& workers, const std::stop_token& quit)
 {
     if (desk.question->voxels) {
-        desk.field = std::make_shared<VoxelCuts>(desk.question->voxels, desk.question->rays, desk.question->show);
+        desk.field = std::make_shared<VoxelCuts>(desk.question->voxels, desk.question->lights, desk.question->show);
         return;
     }
     std::stop_source stop;

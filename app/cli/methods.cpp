@@ -154,7 +154,8 @@ namespace {
 
 Result<Lighting> withShown(Lighting lighting)
 {
-    Result<std::shared_ptr<const IndirectField>> shown = shownField(lighting.field, lighting.params, lighting.lit.rays);
+    Result<std::shared_ptr<const IndirectField>> shown =
+        shownField(lighting.field, lighting.params, lighting.lit.lights);
     if (!shown) return shown.error();
     lighting.shown = *std::move(shown);
     return lighting;

@@ -151,7 +151,7 @@ try {
         return bake;
     }
     if (info->method == Method::voxelLightcuts) {
-        bake.voxels = readVoxels(file, scene, isOn);
+        bake.voxels = readVoxels(file, scene, isOn, info->params);
         return bake;
     }
     for (std::size_t g = 0; g < isOn.size(); ++g) {

@@ -23,7 +23,7 @@ void storeGrid(const IrradianceGrid& grid, const Scene& scene, VdbFile& file);
 
 void storeVoxels(const VoxelField& field, const Scene& scene, VdbFile& file);
 [[nodiscard]] std::shared_ptr<const VoxelField> readVoxels(const VdbFile& file, const Scene& scene,
-                                                           const std::vector<bool>& isOn);
+                                                           const std::vector<bool>& isOn, const BakeParams& params);
 
 void storePhotons(const PhotonMapField& field, const Scene& scene, VdbFile& file);
 /// Empty where the bake kept none.

@@ -84,12 +84,12 @@ std::shared_ptr<const IndirectField> PackedOctree::withMix(Mix mix) const
 
 Result<std::shared_ptr<const IndirectField>> shownField(std::shared_ptr<const IndirectField> field,
                                                         const BakeParams& params,
-                                                        const std::shared_ptr<const RayScene>& rays)
+                                                        const std::shared_ptr<const LightSampler>& lights)
 {
     if (const auto voxels = std::dynamic_pointer_cast<const VoxelField>(field)) {
         const VoxelShow show = voxelShow(params);
         if (show.lookup == VoxelLookup::field) return field;
-        return std::shared_ptr<const IndirectField>(std::make_shared<VoxelCuts>(voxels, rays, show));
+        return std::shared_ptr<const IndirectField>(std::make_shared<VoxelCuts>(voxels, lights, show));
     }
     if (const auto grid = std::dynamic_pointer_cast<const IrradianceGrid>(field)) {
         const GridShow show = gridShow(params);

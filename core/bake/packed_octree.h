@@ -32,10 +32,10 @@ private:
 };
 
 /// `field` as the parameters want it looked up (octree.show, octree.values; grid.remap, grid.filter,
-/// grid.offset; voxel.lookup and what follows it). Fields of other methods as they are. `rays` of the same scene.
+/// grid.offset; voxel.lookup and what follows it). Fields of other methods as they are. `lights` of the same scene.
 /// Errors: as makeGpuOctree.
-[[nodiscard]] Result<std::shared_ptr<const IndirectField>> shownField(std::shared_ptr<const IndirectField> field,
-                                                                      const BakeParams& params,
-                                                                      const std::shared_ptr<const RayScene>& rays);
+[[nodiscard]] Result<std::shared_ptr<const IndirectField>>
+shownField(std::shared_ptr<const IndirectField> field, const BakeParams& params,
+           const std::shared_ptr<const LightSampler>& lights);
 
 } // namespace lightloom

@@ -7,9 +7,11 @@ namespace lightloom {
 namespace {
 
 std::string prefixOf(int depth) { return fmt::format("voxel-lightcuts/d{}/", depth); }
-constexpr const char *kDepth = "lightloom.depth", *kCells = "lightloom.voxels", *kAlbedo = "geometry/albedo";
+constexpr const char *kDepth = "lightloom.depth", *kCells = "lightloom.voxels", *kAlbedo = "geometry/albedo",
+                     *kByRays = "/indirect_by_rays";
 
-std::shared_ptr<const VoxelLayer> readLayer(const LeafReader& leaves, const std::string& group, int number)
+std::shared_ptr<const VoxelLayer> readLayer(const LeafReader& leaves, const std::string& group, int number,
+                                            bool hasRays)
 {
     const std::size_t entries = leaves.geometry()->entries.size();
     auto indirect = std::make_shared<VdlLayer>();
@@ -18,7 +20,9 @@ std::shared_ptr<const VoxelLayer> readLayer(const LeafReader& leaves, const std:
     std::vector<glm::vec3> direct(entries);
     leaves.vectors(group + "/direct", [&](std::size_t n, glm::vec3 v) { direct[n] = v; });
     leaves.vectors(group + "/indirect", [&](std::size_t n, glm::vec3 v) { indirect->scalar[n] = v; });
-    return std::make_shared<const VoxelLayer>(VoxelLayer{std::move(direct), std::move(indirect)});
+    std::vector<glm::vec3> byRays(hasRays ? entries : 0);
+    if (hasRays) leaves.vectors(group + kByRays, [&](std::size_t n, glm::vec3 v) { byRays[n] = v; });
+    return std::make_shared<const VoxelLayer>(VoxelLayer{std::move(direct), std::move(indirect), std::move(byRays)});
 }
 
 } // namespace
@@ -38,11 +42,14 @@ void storeVoxels(const VoxelField& field, const Scene& scene, VdbFile& file)
         const std::string group = escaped(scene.groups[g].id);
         leaves.values(group + "/direct", [&](std::uint32_t n) { return layer.direct[n]; });
         leaves.values(group + "/indirect", [&](std::uint32_t n) { return layer.indirect->scalar[n]; });
+        if (!layer.byRays.empty()) leaves.values(group + kByRays, [&](std::uint32_t n) { return layer.byRays[n]; });
     }
 }
 
-std::shared_ptr<const VoxelField> readVoxels(const VdbFile& file, const Scene& scene, const std::vector<bool>& isOn)
+std::shared_ptr<const VoxelField> readVoxels(const VdbFile& file, const Scene& scene, const std::vector<bool>& isOn,
+                                             const BakeParams& params)
 {
+    const bool hasRays = params.voxelRays > 0;
     const int depth = static_cast<int>(file.integer(kDepth));
     const LeafReader leaves(file, depth, prefixOf(depth));
     auto surface = std::make_shared<VoxelSurface>();
@@ -53,7 +60,7 @@ std::shared_ptr<const VoxelField> readVoxels(const VdbFile& file, const Scene& s
     std::vector<std::shared_ptr<const VoxelLayer>> layers;
     for (std::size_t g = 0; g < isOn.size(); ++g) {
         const std::string group = escaped(scene.groups[g].id);
-        layers.push_back(isOn[g] ? readLayer(leaves, group, static_cast<int>(g)) : nullptr);
+        layers.push_back(isOn[g] ? readLayer(leaves, group, static_cast<int>(g), hasRays) : nullptr);
     }
     return std::make_shared<const VoxelField>(std::move(surface), std::move(layers), Mix{});
 }

@@ -99,7 +99,7 @@ private:
         result.stages = products_.counters.stages;
         const Result<SceneProducts> at = sceneProducts(job, products_, inner); // finds what the solver left
         if (!at) return at.error();
-        const Result<std::shared_ptr<const IndirectField>> shown = shownField(field, params, at->rays);
+        const Result<std::shared_ptr<const IndirectField>> shown = shownField(field, params, at->lights);
         if (!shown) return shown.error();
         field = *shown;
         result.fieldMiB = static_cast<double>(field->memoryBytes()) / kMiB;

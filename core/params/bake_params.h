@@ -68,6 +68,7 @@ struct BakeParams {
     int voxelDirections = 512;
     float voxelGain = 0.005f;
     int voxelPartnerMemory = 512;
+    int voxelRays = 32;
     VoxelLookup voxelLookup = VoxelLookup::lightcuts;
     float voxelThreshold = 0.02f;
     int voxelCut = 2000;
@@ -197,6 +198,8 @@ inline constexpr std::array kParams{
               "Along which light is carried at the first bounce, each both ways; later bounces take half as many each. Time grows in step."},
     ParamSpec{"voxel.gain", "Least gain of a bounce", "fraction", 0.0001, 1, 0.001, kForVoxels, Stage::fit, &BakeParams::voxelGain, {},
               "Light bounces on until one adds less than this share; what is still missing then is added as a series."},
+    ParamSpec{"voxel.rays", "Exact rays per voxel", "", 0, 4096, 16, kForVoxels, Stage::fit, &BakeParams::voxelRays, {},
+              "Light of voxels as lights is carried along so many rays of each instead of lines: right in the mean where the scene is finer than voxels. 0: lines."},
     ParamSpec{"voxel.partners", "Partners kept", "MiB", 0, 1'000'000, 128, kForVoxels, Stage::show, &BakeParams::voxelPartnerMemory, {},
               "Memory for who sees whom, so that bounces and edits of lamps walk no line again. Does not change results."},
     ParamSpec{"voxel.lookup", "Voxel lookup", "", 0, 2, 1, kForVoxels, Stage::show, &BakeParams::voxelLookup, kVoxelLookupNames,

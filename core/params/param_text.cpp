@@ -149,6 +149,7 @@ Result<BakeParams> preset(std::string_view name, Method method)
         params.octreeFirstDepth = 4;
         params.voxelSize = 32;
         params.voxelDirections = 256;
+        params.voxelRays = 0;
         params.voxelThreshold = 0.05f;
         params.directSamples = 16;
         params.pixelSamples = 4;
@@ -163,6 +164,7 @@ Result<BakeParams> preset(std::string_view name, Method method)
         params.gridNest = GridNest::automatic;
         params.voxelSize = 128;
         params.voxelDirections = 1024;
+        params.voxelRays = 64;
         params.voxelThreshold = 0.005f;
         params.voxelCut = 5000;
         params.voxelNear = 128;

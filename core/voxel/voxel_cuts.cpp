@@ -1,33 +1,67 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/voxel/voxel_cuts.h"
-#include "core/trace/material.h"
+#include "core/trace/direct_light.h"
+#include <algorithm>
 #include <bit>
 
 namespace lightloom {
 namespace {
 
-/// What surface near a receiver sends on: as its voxels are lit, by its own colour.
+constexpr std::size_t kMostSuns = 4; ///< lamps that are looked for at each near ray's end
+
+/// The mix of light groups that have suns and spots only, black elsewhere: their shadows have edges that voxels blur.
+/// All black where there are many.
+Mix sharpOnly(const LightSampler& lights, const Mix& mix)
+{
+    const std::size_t groups = lights.rays()->scene().groups.size();
+    std::vector<bool> isSharp(groups, true);
+    for (const Emitter& e : lights.emitters()) {
+        if (e.kind != Emitter::Kind::directional && e.kind != Emitter::Kind::spot)
+            isSharp[static_cast<std::size_t>(e.group)] = false;
+    }
+    const auto count = static_cast<std::size_t>(std::ranges::count_if(
+        lights.emitters(), [&](const Emitter& e) { return isSharp[static_cast<std::size_t>(e.group)]; }));
+    Mix sharp(groups, glm::vec3(0.0f));
+    for (std::size_t g = 0; g < groups && count <= kMostSuns; ++g)
+        if (isSharp[g]) sharp[g] = gainOf(mix, static_cast<int>(g));
+    return sharp;
+}
+
+/// What surface near a receiver sends on: as its voxels are lit, by its own colour; light of suns and spots exactly.
 class NearVoxels final : public NearField {
 public:
-    NearVoxels(const VoxelField& field, std::shared_ptr<const RayScene> rays) : rays_(std::move(rays))
+    NearVoxels(const VoxelField& field, std::shared_ptr<const LightSampler> lights)
+        : lights_(std::move(lights)), sharp_(sharpOnly(*lights_, field.mix())),
+          hasSharp_(std::ranges::any_of(sharp_, [](glm::vec3 gain) { return gain != glm::vec3(0.0f); }))
     {
         auto layer = std::make_shared<VdlLayer>();
         const std::size_t entries = field.surface().leaves->entries.size();
-        for (std::size_t e = 0; e < entries; ++e) layer->scalar.push_back(field.illuminance(e));
+        for (std::size_t e = 0; e < entries; ++e) {
+            glm::vec3 lux = field.illuminance(e);
+            for (std::size_t g = 0; g < sharp_.size(); ++g)
+                if (field.layers()[g]) lux -= sharp_[g] * field.layers()[g]->direct[e];
+            layer->scalar.push_back(glm::max(lux, glm::vec3(0.0f)));
+        }
         lit_ = std::make_unique<const LightOctree>(field.surface().leaves,
                                                    std::vector<std::shared_ptr<const VdlLayer>>{std::move(layer)},
                                                    VdlForm::corrected, Mix{}, OctreeShow::colour);
     }
     [[nodiscard]] glm::vec3 exitance(const Hit& hit) const override
     {
-        const Surface surface = surfaceAt(*rays_, hit);
+        const RayScene& rays = *lights_->rays();
+        const Surface surface = surfaceAt(rays, hit);
         const glm::vec3 albedo = glm::min(surface.diffuse + surface.specular, glm::vec3(kLargestAlbedo));
-        return albedo * lit_->irradiance(hit.position, hit.facing());
+        glm::vec3 lux = lit_->irradiance(hit.position, hit.facing());
+        Rng unused(0, 0, 0); // suns and spots have no surface to sample
+        if (hasSharp_) lux += directIlluminance(rays, *lights_, sharp_, hit.position, hit.facing(), 1, unused);
+        return albedo * lux;
     }
 
 private:
-    std::shared_ptr<const RayScene> rays_;
-    std::unique_ptr<const LightOctree> lit_; ///< all light under the mix, not indirect light alone
+    std::shared_ptr<const LightSampler> lights_;
+    Mix sharp_;
+    bool hasSharp_;
+    std::unique_ptr<const LightOctree> lit_; ///< all light under the mix but that of `sharp_`, straight from its lamps
 };
 
 std::shared_ptr<const LightTree> treeOf(const VoxelField& field, std::uint64_t seed)
@@ -59,14 +93,15 @@ VoxelShow voxelShow(const BakeParams& params)
     return show;
 }
 
-VoxelCuts::VoxelCuts(std::shared_ptr<const VoxelField> field, std::shared_ptr<const RayScene> rays, VoxelShow show)
-    : field_(std::move(field)), rays_(std::move(rays)), show_(show), tree_(treeOf(*field_, show.cuts.seed))
+VoxelCuts::VoxelCuts(std::shared_ptr<const VoxelField> field, std::shared_ptr<const LightSampler> lights,
+                     VoxelShow show)
+    : field_(std::move(field)), lights_(std::move(lights)), show_(show), tree_(treeOf(*field_, show.cuts.seed))
 {
     light();
 }
 
 VoxelCuts::VoxelCuts(const VoxelCuts& other, std::shared_ptr<const VoxelField> field)
-    : field_(std::move(field)), rays_(other.rays_), show_(other.show_), tree_(other.tree_)
+    : field_(std::move(field)), lights_(other.lights_), show_(other.show_), tree_(other.tree_)
 {
     light();
 }
@@ -76,7 +111,8 @@ void VoxelCuts::light()
     std::vector<glm::vec3> exitance;
     for (std::size_t e = 0; e < field_->surface().leaves->entries.size(); ++e) exitance.push_back(field_->exitance(e));
     tree_ = tree_->withExitance(exitance);
-    cuts_ = std::make_unique<const Lightcuts>(rays_, tree_, std::make_shared<const NearVoxels>(*field_, rays_));
+    cuts_ =
+        std::make_unique<const Lightcuts>(lights_->rays(), tree_, std::make_shared<const NearVoxels>(*field_, lights_));
     if (show_.lookup == VoxelLookup::samples)
         samples_ =
             std::make_unique<const LightSamples>(*tree_, static_cast<std::size_t>(show_.samples), show_.cuts.seed);

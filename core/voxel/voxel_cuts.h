@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "core/lightcuts/lightcut.h"
+#include "core/trace/light_sampler.h"
 #include "core/voxel/voxel_field.h"
 
 namespace lightloom {
@@ -18,8 +19,8 @@ struct VoxelShow {
 /// paper, sections 4.1 and 4.2). Some .1 ms a lookup. The same bits wherever and whenever it is asked.
 class VoxelCuts final : public IndirectField {
 public:
-    /// `rays` of the scene that was baked; `show.lookup` is not `field`.
-    VoxelCuts(std::shared_ptr<const VoxelField> field, std::shared_ptr<const RayScene> rays, VoxelShow show);
+    /// `lights` of the scene that was baked; `show.lookup` is not `field`.
+    VoxelCuts(std::shared_ptr<const VoxelField> field, std::shared_ptr<const LightSampler> lights, VoxelShow show);
 
     /// Answers everywhere, in mid-air too.
     [[nodiscard]] bool lookup(glm::vec3 p, glm::vec3 n, glm::vec3& lux) const override;
@@ -42,7 +43,7 @@ private:
     void light();
 
     std::shared_ptr<const VoxelField> field_;
-    std::shared_ptr<const RayScene> rays_;
+    std::shared_ptr<const LightSampler> lights_;
     VoxelShow show_;
     std::shared_ptr<const LightTree> tree_; ///< of all entries, under the field's mix
     std::unique_ptr<const Lightcuts> cuts_;

@@ -21,7 +21,8 @@ std::shared_ptr<const IndirectField> VoxelField::withMix(Mix mix) const
 std::size_t VoxelField::memoryBytes() const
 {
     std::size_t sum = octree_->memoryBytes() + surface_->albedo.size() * sizeof(glm::vec3);
-    for (const auto& layer : layers_) sum += layer ? layer->direct.size() * sizeof(glm::vec3) : 0;
+    for (const auto& layer : layers_)
+        sum += layer ? (layer->direct.size() + layer->byRays.size()) * sizeof(glm::vec3) : 0;
     return sum;
 }
 
@@ -32,6 +33,18 @@ glm::vec3 VoxelField::direct(std::size_t entry) const
         if (layers_[g]) sum += gainOf(mix(), static_cast<int>(g)) * layers_[g]->direct[entry];
     }
     return sum;
+}
+
+glm::vec3 VoxelField::exitance(std::size_t entry) const
+{
+    glm::vec3 lux = direct(entry);
+    for (std::size_t g = 0; g < layers_.size(); ++g) {
+        if (!layers_[g]) continue;
+        const VoxelLayer& layer = *layers_[g];
+        const glm::vec3 indirect = layer.byRays.empty() ? layer.indirect->scalar[entry] : layer.byRays[entry];
+        lux += gainOf(mix(), static_cast<int>(g)) * indirect;
+    }
+    return surface_->albedo[entry] * lux;
 }
 
 glm::vec3 VoxelField::illuminance(std::size_t entry) const { return direct(entry) + octree_->mixedColour({entry, 0}); }

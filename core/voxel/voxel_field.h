@@ -15,7 +15,9 @@ struct VoxelSurface {
 struct VoxelLayer {
     std::vector<glm::vec3> direct; ///< by entry: straight from the lamps
     std::shared_ptr<const VdlLayer>
-        indirect; ///< `scalar` alone is filled: what arrives by way of at least one other surface
+        indirect; ///< `scalar` alone is filled: what arrives by way of at least one other surface, along lines
+    std::vector<glm::vec3> byRays; ///< the same along a few exact rays of each entry: noisy alone, right in the mean of
+                                   ///< many (RayPartners); empty: there is none
 };
 
 /// Multi-bounce light on surface voxels (Chatelier and Malgouyres 2006): one illuminance per orientation of the surface
@@ -40,8 +42,9 @@ public:
     /// Illuminance of an entry under the mix, lux: straight from the lamps, and all.
     [[nodiscard]] glm::vec3 direct(std::size_t entry) const;
     [[nodiscard]] glm::vec3 illuminance(std::size_t entry) const;
-    /// What an entry sends on of all the light that falls on it, lm/m2: as a light it stands for all but direct light.
-    [[nodiscard]] glm::vec3 exitance(std::size_t entry) const { return surface_->albedo[entry] * illuminance(entry); }
+    /// What an entry sends on of all the light that falls on it, lm/m2, for whoever adds up many of them as lights: by
+    /// exact rays where the bake has them.
+    [[nodiscard]] glm::vec3 exitance(std::size_t entry) const;
     /// The same values as a colour octree, for whoever draws one.
     [[nodiscard]] const LightOctree& octree() const { return *octree_; }
     [[nodiscard]] const std::shared_ptr<const LightOctree>& octreeShared() const { return octree_; }

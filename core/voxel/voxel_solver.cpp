@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/voxel/voxel_solver.h"
 #include "core/base/memory_use.h"
+#include "core/lightcuts/ray_partners.h"
 #include "core/params/param_text.h"
 #include "core/photonmap/photon_products.h"
 #include "core/trace/cell_clip.h"
@@ -107,6 +108,18 @@ private:
         return made;
     }
 
+    /// Null: stopped.
+    [[nodiscard]] std::shared_ptr<const RayPartners> rays(const VoxelGeometry& geometry)
+    {
+        const std::string key = fmt::format("{}rays {} seed {}", geometryKey(), params_.voxelRays, params_.seed);
+        if (auto kept = products_.find<RayPartners>(key)) return kept;
+        const StageClock clock("partners by rays", control_);
+        auto made = RayPartners::trace(*scene_.rays, *scene_.reach, *geometry.voxels, params_.voxelRays, params_.seed,
+                                       control_.workers(), control_.stop());
+        if (made) products_.keep<RayPartners>(key, made, clock.stop());
+        return made;
+    }
+
     [[nodiscard]] std::string layerKey(int group) const
     {
         return scene_.layerKey(static_cast<std::size_t>(group)) + stageKey(params_, Stage::fit, Method::voxelLightcuts);
@@ -150,17 +163,23 @@ private:
                        control_.workers(), control_.stop(), within(Stage::fit, kPartnersUntil, kFirstUntil));
         if (first.values.empty() && !voxels.entries.empty()) return cancelled();
         addCost(products_.counters.stages, firstClock.stop());
+        const EntryValues leaving = reflected(first, albedo);
         const StageClock clock("bounces", control_);
         int bounces = 0;
-        const EntryValues all =
-            bounceLight(*scene_.rays, voxels, geometry.orders, reflected(first, albedo), albedo,
-                        {params_.voxelDirections, params_.voxelGain}, control_.workers(), control_.stop(), &bounces,
-                        partners.get(), within(Stage::fit, kFirstUntil, 1.0));
+        const EntryValues all = bounceLight(
+            *scene_.rays, voxels, geometry.orders, leaving, albedo, {params_.voxelDirections, params_.voxelGain},
+            control_.workers(), control_.stop(), &bounces, partners.get(), within(Stage::fit, kFirstUntil, 1.0));
         if (all.values.empty() && !voxels.entries.empty()) return cancelled();
         products_.counters.bounces += static_cast<std::uint64_t>(bounces);
+        EntryValues byRays;
+        if (params_.voxelRays > 0 && !voxels.entries.empty()) {
+            const auto rays = this->rays(geometry);
+            if (rays) byRays = rays->bounced(leaving, albedo, all, control_.workers(), control_.stop());
+            if (byRays.values.empty()) return cancelled();
+        }
         const StageCost cost = clock.stop();
         for (std::size_t i = 0; i < missing.size(); ++i) {
-            const auto layer = layerOf(first, all, i, missing[i]);
+            const auto layer = layerOf(first, all, byRays, i, missing[i]);
             layers[static_cast<std::size_t>(missing[i])] = layer;
             products_.keep<VoxelLayer>(layerKey(missing[i]), layer);
         }
@@ -170,7 +189,7 @@ private:
 
     /// Values of light group number `i` of those that were carried together.
     [[nodiscard]] static std::shared_ptr<const VoxelLayer> layerOf(const EntryValues& first, const EntryValues& all,
-                                                                   std::size_t i, int group)
+                                                                   const EntryValues& byRays, std::size_t i, int group)
     {
         const auto taken = [i](const EntryValues& from) {
             std::vector<glm::vec3> values(from.entries());
@@ -183,7 +202,7 @@ private:
         auto indirect = std::make_shared<VdlLayer>();
         indirect->group = group;
         indirect->scalar = taken(all);
-        return std::make_shared<const VoxelLayer>(VoxelLayer{taken(first), std::move(indirect)});
+        return std::make_shared<const VoxelLayer>(VoxelLayer{taken(first), std::move(indirect), taken(byRays)});
     }
 
     const BakeJob& job_;
@@ -201,6 +220,7 @@ BakeParams roughVoxelParams(BakeParams params)
     params.voxelSize = std::min(params.voxelSize, 24);
     params.voxelSamples = std::min(params.voxelSamples, 2);
     params.voxelDirections = std::min(params.voxelDirections, 128);
+    params.voxelRays = 0;
     return params;
 }
 
