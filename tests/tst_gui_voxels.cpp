@@ -43,6 +43,13 @@ private Q_SLOTS:
     {
         window_ = makeWindow();
         window_->resize(700, 520);
+        BakeParams quick = smallBake();
+        quick.voxelSize = 32;
+        quick.voxelDirections = 128;
+        quick.voxelRays = 8;
+        quick.voxelThreshold = 0.1f;
+        quick.voxelNear = 16;
+        window_->setParams(quick);
         QVERIFY(openAndBake(*window_));
         viewport_ = window_->viewport();
         QVERIFY(viewport_);
