@@ -2,12 +2,15 @@
 // How soon the picture follows a lamp that is dragged: gallery's lamp over the bench is moved 50 times through a
 // BakeSession as the window would. Time from the edit to the first snapshot with the moved lamp's light, and to the
 // settled one, by the clock on the wall and by CPU time of all threads; and what the first picture's time goes into.
-//   bench_lamp_drag [--moves N] [--threads N] [--set NAME=VALUE ...] [SCENE [LAMP]]
+//   bench_lamp_drag [--moves N] [--threads N] [--method NAME] [--set NAME=VALUE ...] [SCENE [LAMP]]
+// light-octree, or voxel-lightcuts.
 #include "core/bake/bake_session.h"
 #include "core/bake/gpu_layout.h"
-#include "core/octree/octree_solver.h"
+#include "core/bake/solver_for.h"
+#include "core/octree/light_octree.h"
 #include "core/params/param_text.h"
 #include "core/scene/sample_scenes.h"
+#include "core/voxel/voxel_field.h"
 #include "tests/bench_clock.h"
 #include <charconv>
 #include <cmath>
@@ -28,8 +31,8 @@ struct Followed {
 /// A session that is posted one edit after another and waits for each to settle.
 class Desk {
 public:
-    Desk(int threads)
-        : workers_(threads), session_(workers_, std::make_unique<OctreeSolver>(),
+    Desk(Method method, int threads)
+        : workers_(threads), session_(workers_, solverFor(method),
                                       {[this](const Snapshot& s) { show(s); },
                                        {},
                                        [this](std::uint64_t, const Result<Done>& outcome) {
@@ -59,7 +62,9 @@ private:
     void show(const Snapshot& snapshot)
     {
         // what the window makes of it before it can draw
-        const auto octree = std::static_pointer_cast<const LightOctree>(snapshot.field);
+        const auto* voxels = dynamic_cast<const VoxelField*>(snapshot.field.get());
+        const auto* octree = voxels ? &voxels->octree() : dynamic_cast<const LightOctree*>(snapshot.field.get());
+        if (!octree) return;
         const auto began = Clock::now();
         const Result<GpuOctree> gpu = makeGpuOctree(*octree);
         if (!gpu) fmt::print("{}\n", gpu.error().message);
@@ -106,7 +111,8 @@ std::shared_ptr<const Scene> moved(const Scene& scene, std::size_t index, int st
     return edited;
 }
 
-void measure(const std::string& name, const std::string& wanted, const BakeParams& params, int moves, int threads)
+void measure(const std::string& name, const std::string& wanted, Method method, const BakeParams& params, int moves,
+             int threads)
 {
     const Result<Scene> scene = sampleScene(name);
     if (!scene || scene->lights.empty()) return fmt::print("{}: no such scene, or none with a point lamp\n", name);
@@ -114,7 +120,7 @@ void measure(const std::string& name, const std::string& wanted, const BakeParam
     for (std::size_t i = 0; i < scene->lights.size(); ++i) {
         if (scene->lights[i].node.find(wanted) != std::string::npos) lamp = i;
     }
-    Desk desk(threads);
+    Desk desk(method, threads);
     BakeJob job;
     job.scene = std::make_shared<const Scene>(*scene);
     job.params = params;
@@ -156,6 +162,7 @@ void measure(const std::string& name, const std::string& wanted, const BakeParam
 int main(int argc, char** argv)
 {
     int moves = 50, threads = 0;
+    Method method = Method::lightOctree;
     BakeParams params;
     std::vector<std::string> words;
     for (int i = 1; i < argc; ++i) {
@@ -163,6 +170,13 @@ int main(int argc, char** argv)
         const char* value = i + 1 < argc ? argv[i + 1] : "";
         if (word == "--moves" || word == "--threads") {
             std::from_chars(value, value + std::strlen(value), word == "--moves" ? moves : threads);
+            ++i;
+        } else if (word == "--method") {
+            const Result<Method> named = methodNamed(value);
+            if (!named || (*named != Method::lightOctree && *named != Method::voxelLightcuts))
+                return fmt::print("--method wants light-octree or voxel-lightcuts\n"), 2;
+            method = *named;
+            params = paramsFor(params, Method::lightOctree, method);
             ++i;
         } else if (word == "--set") {
             const Result<BakeParams> set = withAssignment(params, value);
@@ -174,7 +188,7 @@ int main(int argc, char** argv)
         }
     }
     words.resize(std::max<std::size_t>(words.size(), 2));
-    measure(words[0].empty() ? "gallery" : words[0], words[1].empty() ? "bench" : words[1], params, std::max(moves, 1),
-            threads);
+    measure(words[0].empty() ? "gallery" : words[0], words[1].empty() ? "bench" : words[1], method, params,
+            std::max(moves, 1), threads);
     return 0;
 }
