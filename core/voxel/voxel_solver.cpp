@@ -32,7 +32,8 @@ double voxelBytes(const Bounds& bounds, const LightReach& reach, int cells)
 {
     const double size = static_cast<double>(bounds.longestSide()) / cells;
     const double voxels = 2.0 * reach.area() / std::max(size * size, 1e-300);
-    return voxels * static_cast<double>(2 * sizeof(CellPiece) + 2 * sizeof(Orientation) + 3 * sizeof(VoxelPlace));
+    constexpr double kOrders = 220.0; // bytes of an entry in the orders of its walks
+    return voxels * (static_cast<double>(2 * sizeof(CellPiece) + 2 * sizeof(Orientation)) + kOrders);
 }
 
 class VoxelBake {
