@@ -68,6 +68,23 @@ private Q_SLOTS:
         QVERIFY(!QFile::exists(at("none.vdb")));
     }
 
+    void voxelsAreExportedAsCutsAndAsVoxels() // a lightmap by the lookup that was asked for, a volume of the voxels
+    {
+        const Ran baked = run({"bake", kScene, "--method", "voxel-lightcuts", "--set", "voxel.size=16", "--set",
+                               "voxel.directions=64", "--quiet", "-o", at("voxels.vdb")});
+        QVERIFY2(baked.code == 0, qPrintable(baked.text()));
+        const QStringList words{"export",        at("voxels.vdb"), "--scene",      kScene,  "--volume",
+                                at("cells.vdb"), "--lightmap",     at("cuts.exr"), "--set", "voxel.threshold=0.1",
+                                "--set",         "voxel.near=8",   "--atlas-size", "64"};
+        const Ran ran = run(words);
+        QVERIFY2(ran.code == 0, qPrintable(ran.text()));
+        const QByteArray volume = contents(at("cells.vdb")), cuts = contents(at("cuts.exr"));
+        QVERIFY(!volume.isEmpty() && !cuts.isEmpty());
+        const Ran plain = run(words + QStringList{"--set", "voxel.lookup=field"});
+        QVERIFY2(plain.code == 0, qPrintable(plain.text()));
+        QVERIFY(contents(at("cuts.exr")) != cuts);
+    }
+
     void failures_data()
     {
         QTest::addColumn<QStringList>("words");

@@ -9,7 +9,7 @@
 #include "core/octree/light_octree.h"
 #include "core/params/param_text.h"
 #include "core/scene/gltf_writer.h"
-#include "core/voxel/voxel_field.h"
+#include "core/voxel/voxel_cuts.h"
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -128,7 +128,8 @@ Result<Done> makeVolume(const ExportSource& source, const ExportRequest& request
     if (request.volume.empty()) return Done{};
     const auto* octree = dynamic_cast<const LightOctree*>(&source.field);
     const auto* grid = dynamic_cast<const IrradianceGrid*>(&source.field);
-    const auto* voxels = dynamic_cast<const VoxelField*>(&source.field);
+    const auto* cuts = dynamic_cast<const VoxelCuts*>(&source.field); // of voxels, looked up in another way
+    const auto* voxels = cuts ? &cuts->field() : dynamic_cast<const VoxelField*>(&source.field);
     const Scene& scene = source.rays.scene();
     Result<std::vector<std::uint8_t>> bytes = Error{Error::Kind::unsupported, "the bake has no volume"};
     if (octree) bytes = octreeVolume(*octree, source.info, scene);
