@@ -57,7 +57,7 @@ class VoxelCutsTest : public QObject {
     Q_OBJECT
 
     std::shared_ptr<const Scene> scene_ = share(*sampleScene("cornell"));
-    BakeParams params_;
+    BakeParams params_, asked_; ///< as they are for now; as the bake's
     SceneProducts at_;
     std::shared_ptr<const IndirectField> field_; ///< plain
     Workers workers_{2};
@@ -81,6 +81,7 @@ private Q_SLOTS:
     {
         params_.voxelSize = 48;
         params_.voxelDirections = 256;
+        asked_ = params_;
         VoxelSolver solver;
         BakeProducts products;
         const BakeJob job{scene_, params_, {}};
@@ -121,18 +122,26 @@ private Q_SLOTS:
         }
     }
 
-    void samplesAreRightInTheMean()
+    void samplesAreRightInTheMean() // places share their draws, so that only seeds tell
     {
-        params_.voxelLights = 4096;
-        const auto cuts = shown(VoxelLookup::lightcuts), samples = shown(VoxelLookup::samples);
-        RunningMean off;
-        for (const SurfacePoint& point : samplePoints(*at_.rays, *at_.lights, *at_.reach, 60, 4)) {
-            const glm::vec3 lux = cuts->irradiance(point.position, point.normal);
-            off.add(double(luminance(samples->irradiance(point.position, point.normal)) / luminance(lux) - 1.0f));
+        const std::vector<SurfacePoint> points = samplePoints(*at_.rays, *at_.lights, *at_.reach, 60, 4);
+        params_.voxelThreshold = 0.005f;
+        params_.voxelLights = 2048;
+        const auto cuts = shown(VoxelLookup::lightcuts);
+        RunningMean overSeeds;
+        for (params_.seed = 1; params_.seed <= 12; ++params_.seed) {
+            const auto samples = shown(VoxelLookup::samples);
+            RunningMean off;
+            for (const SurfacePoint& point : points) {
+                const float lux = luminance(cuts->irradiance(point.position, point.normal));
+                off.add(double(luminance(samples->irradiance(point.position, point.normal)) / lux - 1.0f));
+            }
+            overSeeds.add(off.mean());
         }
-        qInfo("mean %+.4f", off.mean());
-        QVERIFY(std::abs(off.mean()) <= 0.06); // places share their 4096 draws: a part of the error is the same for all
-        params_.voxelLights = BakeParams{}.voxelLights;
+        const double error = std::sqrt(overSeeds.variance() / double(overSeeds.count()));
+        qInfo("mean %+.4f, standard error %.4f", overSeeds.mean(), error);
+        QVERIFY(error <= 0.01 && std::abs(overSeeds.mean()) <= 3.0 * error + 0.005); // .005: the cuts' own
+        params_ = asked_;
     }
 
     void mixesScale()
