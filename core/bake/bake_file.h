@@ -48,8 +48,8 @@ struct BakeFile {
 ///   irradiance-grid/d0/geometry/{face_share,cell_share,sight_low,sight_high}   of vertices in the open, voxels around
 ///   them irradiance-grid/d0/<group>/vectors/<direction>/<channel>           I_delta, lux; <direction> -x +x -y +y -z
 ///   +z irradiance-grid/d0/<group>/variance/<direction>                    of the luminance of I_delta . delta, lux^2
-///   voxel-lightcuts/d<depth>/geometry/{normal,centroid,area,albedo}/<entry>    of surface voxels, cubes of the root /
-///   2^d voxel-lightcuts/d<depth>/<group>/{direct,indirect,indirect_by_rays}/<entry>   lux on the entry's own surface
+///   voxel-lightcuts/d<depth>/geometry/{normal,centroid,area,albedo}/<entry>  of surface voxels
+///   voxel-lightcuts/d<depth>/<group>/{direct,indirect,indirect_by_rays}/<entry>  lux on the entry's own surface
 ///   photon-map/d0/<group>/{position,to_light,flux,normal}/0/0          photon i at (i % 128, i / 128 % 128, i / 16384)
 ///   photon-map/d0/<group>/{irradiance,noise}/0/0                       of Christensen's cache, point i likewise, lux
 /// "/" in group ids is written %2F. The same bake gives the same bytes; nothing in it depends on time or host.

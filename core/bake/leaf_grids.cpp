@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/bake/leaf_grids.h"
+#include "core/octree/octree_build.h"
 #include "core/trace/cell_clip.h"
 #include <algorithm>
 #include <stdexcept>
@@ -82,7 +83,10 @@ void LeafReader::readEntries()
         }
     }
     g.firstEntry.push_back(0);
-    for (const std::uint32_t count : counts) g.firstEntry.push_back(g.firstEntry.back() + count);
+    for (const std::uint32_t count : counts) {
+        if (count > kMostEntries) throw std::runtime_error("a leaf with more orientations than there can be");
+        g.firstEntry.push_back(g.firstEntry.back() + count);
+    }
     g.entries.resize(g.firstEntry.back());
     slots_ = leafSlots(g);
     vectors(kNormal, [&](std::size_t n, glm::vec3 v) { g.entries[n].normal = v; });

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/bake/bake_grids.h"
 #include "core/bake/leaf_grids.h"
-#include "core/octree/octree_build.h"
 #include "core/trace/cell_clip.h"
 #include <algorithm>
 #include <array>
@@ -167,24 +166,14 @@ std::shared_ptr<const LampDetail> readDetail(const VdbFile& file, int depth, con
     return detail;
 }
 
-void checkLeaves(const OctreeGeometry& geometry)
-{
-    for (std::size_t i = 0; i < geometry.cells.size(); ++i) {
-        if (geometry.firstEntry[i + 1] - geometry.firstEntry[i] > kMostEntries)
-            throw std::runtime_error("a leaf with more orientations than there can be");
-    }
-}
-
 /// A file's seal tells damage, not intent: what the union of all lamps' leaves takes for granted is checked here.
 void checkTogether(const OctreeGeometry& base, const std::vector<std::shared_ptr<const LampDetail>>& details)
 {
-    checkLeaves(base);
     std::array<std::unordered_map<std::uint64_t, std::uint32_t>, kMostDeeper> entries; // of each cell, by level
     for (const auto& detail : details) {
         const OctreeGeometry* above = &base;
         for (std::size_t level = 0; detail && level < detail->size(); ++level) {
             const OctreeGeometry& g = *(*detail)[level].geometry;
-            checkLeaves(g);
             for (std::size_t i = 0; i < g.cells.size(); ++i) {
                 if (!std::ranges::binary_search(above->cells, g.cells[i] >> 3))
                     throw std::runtime_error("a deeper leaf below none");

@@ -115,7 +115,7 @@ std::vector<glm::vec3> entryAlbedos(const RayScene& rays, const LightReach& reac
         for (std::uint32_t i = voxels.firstPiece[e]; i < voxels.firstPiece[e + 1]; ++i) {
             const CellPiece& piece = voxels.pieces[i];
             const Surface surface = surfaceOf(rays, reach.facets()[piece.facet], piece.centroid);
-            sum += piece.area * glm::min(surface.diffuse + surface.specular, glm::vec3(kLargestAlbedo));
+            sum += piece.area * evenAlbedo(surface);
             area += piece.area;
         }
         albedos[e] = sum / area;

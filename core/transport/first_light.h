@@ -1,9 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include "core/trace/surface.h"
 #include "core/transport/voxel_bounces.h"
 #include <functional>
 
 namespace lightloom {
+
+/// What a surface sends on of the light that falls on it, its metallic part as if it scattered evenly; per channel, at
+/// most kLargestAlbedo.
+[[nodiscard]] inline glm::vec3 evenAlbedo(const Surface& surface)
+{
+    return glm::min(surface.diffuse + surface.specular, glm::vec3(kLargestAlbedo));
+}
 
 /// What each entry's surface sends on of the light that falls on it, per channel: its diffuse and metallic parts,
 /// textures looked up at the centroids of its pieces, weighted by area. Metals count as if they scattered evenly.

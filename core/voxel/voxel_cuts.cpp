@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/voxel/voxel_cuts.h"
 #include "core/trace/direct_light.h"
+#include "core/transport/first_light.h"
 #include <algorithm>
 #include <bit>
 
@@ -50,11 +51,10 @@ public:
     {
         const RayScene& rays = *lights_->rays();
         const Surface surface = surfaceAt(rays, hit);
-        const glm::vec3 albedo = glm::min(surface.diffuse + surface.specular, glm::vec3(kLargestAlbedo));
         glm::vec3 lux = lit_->irradiance(hit.position, hit.facing());
         Rng unused(0, 0, 0); // suns and spots have no surface to sample
         if (hasSharp_) lux += directIlluminance(rays, *lights_, sharp_, hit.position, hit.facing(), 1, unused);
-        return albedo * lux;
+        return evenAlbedo(surface) * lux;
     }
 
 private:
