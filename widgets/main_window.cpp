@@ -375,30 +375,6 @@ void MainWindow::useParams()
     if (stage && *stage != Stage::show) startBake(false);
 }
 
-bool MainWindow::showMethod(Method method)
-{
-    const ViewMode mode = method == Method::irradianceGrid   ? ViewMode::grid
-                          : method == Method::voxelLightcuts ? ViewMode::lightcuts
-                                                             : ViewMode::octree;
-    if (mode == ViewMode::octree && method != Method::lightOctree) return false;
-    for (QAction* action : bakeModes_) {
-        if (action->data().toInt() == static_cast<int>(mode)) action->trigger();
-    }
-    return true;
-}
-
-void MainWindow::useMethod(Method method)
-{
-    if (method == method_) return;
-    method_ = method;
-    paramPanel_->setMethod(method);
-    params_ = paramPanel_->params();
-    useVoxelShow();
-    bakePanel_->setMethod(method);
-    sweepPanel_->setMethod(method);
-    startBake(false);
-}
-
 void MainWindow::lampEdited(int lamp, bool isDimmed)
 {
     const std::vector<LampSetting> settings = sceneDock_->lampSettings();
@@ -481,51 +457,6 @@ void MainWindow::showView(const BakeView& view)
         statusSize_->setText(tr("d%1  %2 leaves  %3").arg(view.snapshot.level).arg(number(view.leaves), size));
         statusSize_->setToolTip(tr("Light octree as shown: %1 entries, %2").arg(number(view.entries), all));
     }
-}
-
-BakeView MainWindow::asShown(BakeView view) const
-{
-    if (viewport_ == nullptr) return view;
-    if (viewport_->mode() == ViewMode::colours && view.colours) view.snapshot.field = view.colours;
-    const bool isMade = viewport_->mode() == ViewMode::photonMap || viewport_->mode() == ViewMode::lightcuts;
-    if (isMade && pictureDesk_->field()) view.snapshot.field = pictureDesk_->field();
-    return view;
-}
-
-void MainWindow::judgeView()
-{
-    const BakeView* view = snapshots_->shown();
-    if (compareDesk_ != nullptr && view != nullptr && view->lookSerial == look_.serial) {
-        pictureDesk_->setView(*view);
-        atlasDesk_->setView(*view);
-        pickDesk_->setView(*view);
-        compareDesk_->setView(asShown(*view));
-        measure();
-    }
-}
-
-void MainWindow::measure()
-{
-    if (cursor_ && snapshots_->shown() != nullptr) {
-        worker_->measure(asShown(*snapshots_->shown()), look_.mix, cursor_->position, cursor_->normal);
-    } else {
-        showMeasurement({});
-    }
-}
-
-void MainWindow::setMode(ViewMode mode)
-{
-    if (mode == ViewMode::grid) useMethod(Method::irradianceGrid);
-    if (mode == ViewMode::lightcuts) useMethod(Method::voxelLightcuts);
-    const bool isOfOctree = mode == ViewMode::octree || mode == ViewMode::colours || mode == ViewMode::photonMap;
-    if (isOfOctree) useMethod(Method::lightOctree);
-    if (viewport_ == nullptr) return;
-    viewport_->setMode(mode);
-    pictureDesk_->modeChanged();
-    atlasDesk_->modeChanged();
-    compareDesk_->showPictureState(pictureDesk_->stateText());
-    judgeView();
-    compareDesk_->modeChanged();
 }
 
 void MainWindow::bakeFinished(quint64 serial, const QString& error, bool isCancelled, const WorkCounters& counters)

@@ -130,7 +130,7 @@ QString PictureDesk::voxelText() const
     if (isBaking_ && !picture_.view) return tr("%1: the voxel field until the bake is done").arg(name);
     if (!picture_.problem.isEmpty()) return tr("%1: %2").arg(name, picture_.problem);
     if (serial_ == 0) return tr("%1: the voxel field until the view rests").arg(name);
-    if (!picture_.view) return tr("%1: building the tree of lights").arg(name);
+    if (!picture_.view) return tr("%1: the first blocks of pixels").arg(name);
     if (picture_.block > 1) return tr("%1: in blocks of %2 pixels").arg(name).arg(picture_.block);
     return tr("%1: %2 of %3 rays per pixel").arg(name).arg(picture_.view->samples).arg(kSamples);
 }
