@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Claim: `lightloom-cli compare` takes a bake itself against a reference and gives what probe or render and compare
 // give in two steps; heatmaps show what was asked for; a bake's
-// noise is shown as a map; sides that do not go together are refused in one line.
+// noise and the sizes of lightcuts are shown as maps; sides that do not go together are refused in one line.
 #include "core/base/image_file.h"
 #include "core/compare/legend.h"
 #include "tests/cli_helpers.h"
@@ -123,6 +123,30 @@ private Q_SLOTS:
         for (const QString& method : {QString("reference"), QString("direct")}) {
             const Ran refused = run(words + QStringList{at("none.png"), "--method", method});
             QVERIFY2(refused.code == 2 && refused.failedWithOneLine() && refused.err.contains("--noise-map"),
+                     qPrintable(refused.text()));
+            QVERIFY(!QFile::exists(at("none.png")));
+        }
+    }
+
+    void lightcutsShowTheirSizes()
+    {
+        const QStringList words{"render", kScene, "--size", "48x36", "--spp", "1", "-o", at("cuts.png"), "--cut-map"};
+        const QStringList voxels{"--method", "voxel-lightcuts", "--set", "voxel.size=16"};
+        const nlohmann::json told = json(words + QStringList{at("sizes.png")} + voxels);
+        QVERIFY2(told.is_object() && told.contains("cut_sizes"), qPrintable(QString::fromStdString(told.dump())));
+        const double average = told["cut_sizes"]["mean"];
+        const int p99 = told["cut_sizes"]["p99"], most = told["cut_sizes"]["max"];
+        QVERIFY(1.0 <= average && average <= p99 && p99 <= most && most <= 2000);
+        const Result<ByteImage> map = readPng(at("sizes.png").toStdString());
+        QVERIFY(map && map->height == 36 + kLegendHeight);
+        const QStringList none = words + QStringList{at("none.png")};
+        for (const QStringList& other :
+             {QStringList{"--method", "reference"}, QStringList{"--method", "light-octree"},
+              voxels + QStringList{"--set", "voxel.lookup=field"}, voxels + QStringList{"--final-gather"},
+              QStringList{"--bake", at("bake.vdb")}}) {
+            const Ran refused = run(none + other);
+            const int wanted = other.contains("--bake") ? 3 : 2; // a file has to be read first
+            QVERIFY2(refused.code == wanted && refused.failedWithOneLine() && refused.err.contains("--cut-map"),
                      qPrintable(refused.text()));
             QVERIFY(!QFile::exists(at("none.png")));
         }

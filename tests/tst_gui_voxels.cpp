@@ -2,8 +2,11 @@
 // Claim: key 3 shows voxel radiosity: the voxel field at once, then, while the view rests, a picture by lightcuts in
 // blocks of pixels that get smaller; another view, another mix or another lookup begin anew at once; what is measured
 // is what is shown; the panel is about voxels.
+#include "core/base/image.h"
+#include "core/compare/false_colour.h"
 #include "core/voxel/voxel_cuts.h"
 #include "widgets/gl/gl_probe.h"
+#include "widgets/legend_strip.h"
 #include "widgets/param_panel.h"
 #include "widgets/picture_desk.h"
 #include "widgets/scene_dock.h"
@@ -21,10 +24,10 @@ class GuiVoxelsTest : public QObject {
     std::unique_ptr<MainWindow> window_;
     Viewport* viewport_ = nullptr;
 
-    void press(Qt::Key key) const
+    void press(Qt::Key key, Qt::KeyboardModifiers modifiers = {}) const
     {
         viewport_->setFocus();
-        QTest::keyClick(viewport_, key);
+        QTest::keyClick(viewport_, key, modifiers);
     }
     [[nodiscard]] bool awaitText(const QString& part) const
     {
@@ -88,6 +91,43 @@ private Q_SLOTS:
         qInfo("lightcuts and field: %.2f of 255 apart", apart);
         QVERIFY(apart > 0.1 && apart < 12.0);
         QVERIFY(desk.stateText().contains("Voxel field"));
+    }
+
+    void cutSizesAreShownWithTheirLegend()
+    {
+        useLookup(VoxelLookup::lightcuts);
+        QVERIFY(awaitText("16 of 16"));
+        const QImage light = settle(*viewport_) ? viewport_->grabFramebuffer() : QImage();
+        press(Qt::Key_5, Qt::ControlModifier);
+        QAction* cuts = actionNamed(*window_, "Cut sizes");
+        QVERIFY(cuts->isChecked() && awaitText("Clusters in a cut"));
+        const LegendStrip& legend = window_->legend();
+        QVERIFY(legend.isVisible() && legend.caption() == window_->pictureDesk()->stateText());
+        const QStringList ticks = legend.ticks();
+        QVERIFY2(ticks.first() == "0" && ticks.last().toDouble() > 20.0, qPrintable(ticks.join(' ')));
+        const auto field = std::dynamic_pointer_cast<const VoxelCuts>(window_->pictureDesk()->field());
+        QVERIFY(field && settle(*viewport_));
+        const QImage shown = viewport_->grabFramebuffer();
+        int checked = 0, off = 0;
+        for (int y = 40; y < shown.height() - 40; y += 24) {
+            for (int x = 40; x < shown.width() - 40; x += 24) {
+                const auto at = viewport_->surfaceAt({x + 0.5, y + 0.5});
+                if (!at) continue;
+                const int nodes = field->cutAt(at->position, at->normal).nodes;
+                const glm::vec3 wanted = falseColour(float(nodes) / float(ticks.last().toDouble()));
+                const double grey = 255.0 * double(encodeSrgb(wanted.y)); // green rises all the way
+                ++checked;
+                off += std::abs(qGreen(shown.pixel(x, y)) - grey) > 20.0 ? 1 : 0; // where it looks is rounded
+            }
+        }
+        qInfo("%d of %d places have another colour", off, checked);
+        QVERIFY(checked > 100 && off <= checked / 20);
+        press(Qt::Key_1, Qt::ControlModifier);
+        QVERIFY(settle(*viewport_) && meanDifference(viewport_->grabFramebuffer(), light) < 1.0);
+        cuts->trigger();
+        useLookup(VoxelLookup::field); // has no cuts
+        QVERIFY(!cuts->isEnabled() && !cuts->isChecked());
+        QVERIFY(actionNamed(*window_, "Light")->isChecked() && legend.ticks().isEmpty());
     }
 
     void anotherViewBeginsAnewAtOnce()

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Claims: a bake of voxels looked up by lightcuts gives what a gather through the scene finds, on surfaces and in
 // mid-air; samples are right in the mean; a picture asks once for all that a pixel shows of a surface, and is the same
-// to the bit however it is sliced; parameters choose the lookup, and ends of gathers never pay for it.
+// to the bit however it is sliced, and tells the size of each cut; parameters choose the lookup, and ends of gathers
+// never pay for it.
 #include "bake_helpers.h"
 #include "core/bake/packed_octree.h"
 #include "core/bake/progressive_view.h"
+#include "core/bake/view_eye.h"
 #include "core/base/units.h"
+#include "core/compare/cut_map.h"
 #include "core/photonmap/photon_products.h"
 #include "core/scene/sample_scenes.h"
 #include "core/trace/final_gather.h"
@@ -13,7 +16,9 @@
 #include "core/voxel/voxel_solver.h"
 #include "light_helpers.h"
 #include "view_helpers.h"
+#include <algorithm>
 #include <atomic>
+#include <numeric>
 
 using namespace lightloom;
 using namespace lightloom::test;
@@ -186,6 +191,50 @@ private Q_SLOTS:
         int slices = 0;
         for (; !view.isWhole() && slices < 100; ++slices) shown = view.advance(0.0, workers_, {});
         QVERIFY(slices > 2 && sameBits(whole, shown));
+        QCOMPARE(shown.cutSizes, whole.cutSizes);
+    }
+
+    void picturesTellTheSizesOfTheirCuts()
+    {
+        ViewJob job = pictureOf(*scene_);
+        job.samples = 1;
+        const auto cuts = std::dynamic_pointer_cast<const VoxelCuts>(shown(VoxelLookup::lightcuts));
+        const View view = renderView(*at_.rays, *at_.lights, {}, cuts.get(), job, workers_, {});
+        const CutMap map = cutMap(view);
+        QCOMPARE(map.sizes.values.size(), std::size_t(job.width * job.height));
+        const Lens lens(job);
+        std::vector<int> found;
+        for (int y = 0; y < job.height; ++y) {
+            for (int x = 0; x < job.width; ++x) {
+                glm::vec3 origin, travel;
+                lens.ray(x, y, glm::vec2(0.5f), origin, travel);
+                Hit hit;
+                int nodes = 0;
+                if (at_.rays->intersect(origin, travel, 1e30f, hit) &&
+                    surfaceAt(*at_.rays, hit).diffuse != glm::vec3(0.0f)) // lamps and metals ask for no light
+                    nodes = cuts->cutAt(hit.position, hit.facing()).nodes;
+                QCOMPARE(int(map.sizes.values[std::size_t(y * job.width + x)]), nodes);
+                if (nodes > 0) found.push_back(nodes);
+            }
+        }
+        std::ranges::sort(found);
+        qInfo("mean %.0f, p99 %d, most %d", map.mean, map.p99, map.most);
+        QCOMPARE(map.pixels, found.size());
+        QCOMPARE(map.most, found.back());
+        QVERIFY(map.top() >= 0.5f * float(map.p99));
+        const auto within = std::ranges::count_if(found, [&](int n) { return n <= map.p99; });
+        const auto below = std::ranges::count_if(found, [&](int n) { return n < map.p99; });
+        QVERIFY(100 * within >= 99 * std::ssize(found) && 100 * below < 99 * std::ssize(found));
+        QVERIFY(std::abs(map.mean - std::accumulate(found.begin(), found.end(), 0.0) / double(found.size())) <= 1e-9);
+        job.block = 8; // a rough picture has one cut for all of a block
+        const View rough = renderView(*at_.rays, *at_.lights, {}, cuts.get(), job, workers_, {});
+        for (std::size_t i = 0; i < 8; ++i) QCOMPARE(rough.cutSizes[i], rough.cutSizes[0]);
+        const View plain = renderView(*at_.rays, *at_.lights, {}, field_.get(), job, workers_, {});
+        QVERIFY(plain.cutSizes.empty() && cutMap(plain).sizes.values.empty() && cutMap(plain).pixels == 0);
+        const auto samples = shown(VoxelLookup::samples);
+        job.width = job.height = 8;
+        QVERIFY(renderView(*at_.rays, *at_.lights, {}, samples.get(), job, workers_, {}).cutSizes.empty());
+        params_ = asked_;
     }
 };
 

@@ -29,6 +29,11 @@ QString captionOf(const ViewError& error)
     return QObject::tr("|Error| of the indirect light, of its mean");
 }
 
+HeatmapStyle scaleOf(const ViewError& error)
+{
+    return {error.kind, error.top, error.kind == ErrorKind::absolute ? LegendUnit::lux : LegendUnit::percent, {}};
+}
+
 } // namespace
 
 CompareDesk::CompareDesk(const Parts& parts, QObject* parent) : QObject(parent), parts_(parts)
@@ -49,7 +54,7 @@ CompareDesk::CompareDesk(const Parts& parts, QObject* parent) : QObject(parent),
         parts_.handle->raise();
         if (!on) return;
         parts_.handle->setFocus(); // so that the arrow keys move it
-        wantReference();
+        if (!cutsShown_) wantReference();
     });
     connect(parts_.handle, &WipeHandle::moved, this, [this](float part) {
         if (parts_.wipe->isChecked()) parts_.viewport->setWipe(part);
@@ -218,15 +223,15 @@ void CompareDesk::tellLegend()
     const bool isMade = mode == ViewMode::photonMap || mode == ViewMode::lightcuts;
     const bool isNoteAlone = !note_.isEmpty() && !shown_ && !isReference && !isMade;
     parts_.legend->setVisible(shown_ || isReference || isMade || isNoteAlone);
-    if (isNoteAlone) return parts_.legend->show(nullptr, note_);
+    if (isNoteAlone) return parts_.legend->show({}, note_);
     if (isMade && !shown_) {
-        parts_.legend->show(nullptr, pictureState_);
+        parts_.legend->show(pictureScale_, pictureState_);
     } else if (shown_ && error_) {
-        parts_.legend->show(error_, captionOf(*error_));
+        parts_.legend->show(scaleOf(*error_), captionOf(*error_));
     } else if (shown_ || !picture_) {
-        parts_.legend->show(nullptr, tr("Light of the bake meanwhile. Reference: %1").arg(parts_.panel->stateText()));
+        parts_.legend->show({}, tr("Light of the bake meanwhile. Reference: %1").arg(parts_.panel->stateText()));
     } else {
-        parts_.legend->show(nullptr, tr("Reference: %1").arg(parts_.panel->stateText()));
+        parts_.legend->show({}, tr("Reference: %1").arg(parts_.panel->stateText()));
     }
 }
 
@@ -236,10 +241,18 @@ void CompareDesk::showNote(const QString& text)
     tellLegend();
 }
 
-void CompareDesk::showPictureState(const QString& text)
+void CompareDesk::showPictureState(const QString& text, const std::optional<HeatmapStyle>& scale)
 {
     pictureState_ = text;
+    pictureScale_ = scale;
     tellLegend();
+}
+
+void CompareDesk::showCuts(bool on)
+{
+    cutsShown_ = on;
+    if (!on && parts_.wipe->isChecked()) wantReference();
+    tellNames();
 }
 
 void CompareDesk::take(const ReferencePicture& picture)
@@ -270,8 +283,10 @@ void CompareDesk::take(const ErrorPicture& picture)
 
 void CompareDesk::tellNames()
 {
-    QString left = shown_ ? tr("Error") : tr("Reference");
-    if (!picture_) {
+    QString left = cutsShown_ ? tr("Cut sizes") : shown_ ? tr("Error") : tr("Reference");
+    if (cutsShown_) {
+        // known as soon as there is a picture
+    } else if (!picture_) {
         left += tr(": not yet");
     } else if (!shown_ && picture_->noise >= 0.0) {
         left += tr(", noise %1 %").arg(100.0 * picture_->noise, 0, 'f', 1);

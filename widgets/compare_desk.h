@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "core/compare/legend.h"
 #include "widgets/compare_worker.h"
 #include <QTimer>
 #include <optional>
@@ -37,7 +38,9 @@ public:
     void showErrors(std::optional<ErrorKind> kind);
     void modeChanged();                 ///< the viewport's
     void showNote(const QString& text); ///< under the picture, where nothing else is to be said there; empty: none
-    void showPictureState(const QString& text); ///< in the legend, while the processor makes the picture
+    /// In the legend, while the processor makes the picture; with the scale of what is shown of it in false colour.
+    void showPictureState(const QString& text, const std::optional<HeatmapStyle>& scale);
+    void showCuts(bool on); ///< in place of light: what the picture took, which needs no reference
 
     [[nodiscard]] bool isTracing() const;
     [[nodiscard]] const std::optional<ReferencePicture>& reference() const { return picture_; } ///< of this view
@@ -69,6 +72,8 @@ private:
     std::optional<ErrorKind> shown_;
     QString problem_; ///< why no reference can be traced; empty: it can
     QString pictureState_, note_;
+    std::optional<HeatmapStyle> pictureScale_;
+    bool cutsShown_ = false;
     std::uint64_t serial_ = 0; ///< of the question that fits what is seen; 0: none was asked
     std::optional<ReferencePicture> picture_;
     std::shared_ptr<const ViewError> error_;

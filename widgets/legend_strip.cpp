@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "widgets/legend_strip.h"
 #include "core/base/image.h"
-#include "core/compare/legend.h"
 #include <QPainter>
 #include <algorithm>
 #include <utility>
@@ -24,12 +23,12 @@ LegendStrip::LegendStrip(QWidget* parent) : QWidget(parent)
 {
     setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Fixed);
     setMinimumWidth(fontMetrics().horizontalAdvance(QStringLiteral("-100%  0%  100%  Error of the indirect light")));
-    setAccessibleName(tr("Legend of the error"));
+    setAccessibleName(tr("Legend"));
 }
 
-void LegendStrip::show(std::shared_ptr<const ViewError> error, const QString& caption)
+void LegendStrip::show(const std::optional<HeatmapStyle>& scale, const QString& caption)
 {
-    error_ = std::move(error);
+    scale_ = scale;
     caption_ = caption;
     setToolTip(caption); // should a long one be cut
     setAccessibleDescription(caption + QStringLiteral(": ") + ticks().join(QStringLiteral(", ")));
@@ -38,17 +37,16 @@ void LegendStrip::show(std::shared_ptr<const ViewError> error, const QString& ca
 
 float LegendStrip::valueAt(float part) const
 {
-    return error_->top * (error_->kind == ErrorKind::difference ? 2.0f * part - 1.0f : part);
+    return scale_->top * (scale_->kind == ErrorKind::difference ? 2.0f * part - 1.0f : part);
 }
 
 QStringList LegendStrip::ticks() const
 {
     QStringList texts;
-    if (!error_) return texts;
-    const LegendUnit unit = error_->kind == ErrorKind::absolute ? LegendUnit::lux : LegendUnit::percent;
+    if (!scale_) return texts;
     for (int i = 0; i < kTicks; ++i) {
         const float value = valueAt(static_cast<float>(i) / (kTicks - 1));
-        texts += QString::fromStdString(legendText(value, unit, error_->kind == ErrorKind::difference));
+        texts += QString::fromStdString(legendText(value, scale_->unit, scale_->kind == ErrorKind::difference));
     }
     return texts;
 }
@@ -68,7 +66,7 @@ void LegendStrip::paintEvent(QPaintEvent*)
     const int most = (width() - left) / 2, length = std::min(360, most - kMargin), top = 5;
     for (int x = 0; x <= length; ++x) {
         const float value = valueAt(static_cast<float>(x) / static_cast<float>(length));
-        painter.fillRect(left + x, top, 1, kBarHeight, shownColour(errorColour(error_->kind, value, error_->top)));
+        painter.fillRect(left + x, top, 1, kBarHeight, shownColour(errorColour(scale_->kind, value, scale_->top)));
     }
     const int numbers = top + kBarHeight + kTick;
     // the ends first, then the middle, then the rest: a narrow window drops numbers that would run into others

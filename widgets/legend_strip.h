@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "core/compare/view_error.h"
+#include "core/compare/legend.h"
 #include <QWidget>
-#include <memory>
+#include <optional>
 
 namespace lightloom {
 
@@ -12,8 +12,8 @@ class LegendStrip final : public QWidget {
     Q_OBJECT
 public:
     explicit LegendStrip(QWidget* parent = nullptr);
-    /// `error` null: there is nothing to show yet, and `caption` says why.
-    void show(std::shared_ptr<const ViewError> error, const QString& caption);
+    /// `scale` (its own caption does not count) nothing: there is no such picture yet, and `caption` says why.
+    void show(const std::optional<HeatmapStyle>& scale, const QString& caption);
     [[nodiscard]] const QString& caption() const { return caption_; }
     [[nodiscard]] QStringList ticks() const; ///< as written, from the left
 
@@ -23,7 +23,7 @@ protected:
 private:
     [[nodiscard]] float valueAt(float part) const;
 
-    std::shared_ptr<const ViewError> error_;
+    std::optional<HeatmapStyle> scale_;
     QString caption_;
 };
 

@@ -162,6 +162,8 @@ private:
     QWidget* makeComparePanel();
     QWidget* makeSweepPanel();
     QWidget* makeShownButton();
+    void showCuts(bool on);
+    void mayShowCuts(); ///< or not, as the picture is made
     void connectCompare();
     // main_window_lamps.cpp: lamps that are moved
     void connectLamps();
@@ -238,7 +240,7 @@ private:
             *cancel_ = nullptr, *resetParams_ = nullptr, *shortcuts_ = nullptr, *about_ = nullptr, *undo_ = nullptr,
             *redo_ = nullptr, *swapModes_ = nullptr, *lastMode_ = nullptr, *reference_ = nullptr, *wipe_ = nullptr,
             *pick_ = nullptr, *swapFilters_ = nullptr, *nextVertices_ = nullptr, *export_ = nullptr,
-            *lampTool_ = nullptr, *saveScene_ = nullptr;
+            *lampTool_ = nullptr, *saveScene_ = nullptr, *cuts_ = nullptr;
     QActionGroup *modes_ = nullptr, *shown_ = nullptr, *tones_ = nullptr, *filters_ = nullptr, *forms_ = nullptr,
                  *vertices_ = nullptr, *lookups_ = nullptr;
     QList<QAction*> addGuests_; ///< one for each kind of object, and for files

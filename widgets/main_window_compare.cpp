@@ -29,8 +29,24 @@ void MainWindow::addShownAction(const QString& text, const QKeySequence& keys, c
     action->setChecked(!kind);
     shown_->addAction(action);
     connect(action, &QAction::triggered, this, [this, kind] {
-        if (compareDesk_ != nullptr) compareDesk_->showErrors(kind);
+        if (compareDesk_ == nullptr) return;
+        showCuts(false);
+        compareDesk_->showErrors(kind);
     });
+}
+
+void MainWindow::showCuts(bool on)
+{
+    compareDesk_->showCuts(on);
+    pictureDesk_->showCuts(on);
+}
+
+/// They are of lightcuts: there is light again where these are no longer looked at.
+void MainWindow::mayShowCuts()
+{
+    if (pictureDesk_ == nullptr) return;
+    cuts_->setEnabled(pictureDesk_->hasCuts());
+    if (cuts_->isChecked() && !cuts_->isEnabled()) shown_->actions().first()->trigger();
 }
 
 void MainWindow::makeCompareActions()
@@ -45,6 +61,15 @@ void MainWindow::makeCompareActions()
     addShownAction(tr("&Signed error"), Qt::CTRL | Qt::Key_4, tr("Show what is too dark and what too bright"),
                    ErrorKind::difference);
     shown_->actions().last()->setIconText(tr("Error, ±")); // the toolbar is short
+    cuts_ = makeAction(tr("&Cut sizes"), Qt::CTRL | Qt::Key_5,
+                       tr("Show how many clusters the lightcut of each pixel took, while lightcuts are shown"));
+    cuts_->setCheckable(true);
+    cuts_->setEnabled(false);
+    shown_->addAction(cuts_);
+    connect(cuts_, &QAction::triggered, this, [this] {
+        compareDesk_->showErrors({});
+        showCuts(true);
+    });
     reference_ = makeAction(tr("&Trace reference"), QKeySequence(Qt::Key_R),
                             tr("Trace a picture of this view by paths, whenever no bake runs; again to stop"));
     reference_->setCheckable(true);
@@ -77,7 +102,7 @@ QWidget* MainWindow::makeShownButton()
     button->setMenu(menu);
     button->setPopupMode(QToolButton::InstantPopup);
     button->setText(shown_->checkedAction()->iconText());
-    button->setToolTip(tr("What the picture shows: light, or how far it is off the reference"));
+    button->setToolTip(tr("What the picture shows: light, how far it is off the reference, or what lightcuts took"));
     button->setAccessibleName(tr("Shown"));
     connect(shown_, &QActionGroup::triggered, button, [button](QAction* a) { button->setText(a->iconText()); });
     return button;
@@ -103,7 +128,7 @@ void MainWindow::connectCompare()
     connect(atlasDesk_, &AtlasDesk::failed, this, [this](const QString& problem) { messages_->show(problem); });
     pictureDesk_ = new PictureDesk(viewport_, this);
     connect(pictureDesk_, &PictureDesk::stateChanged, this,
-            [this] { compareDesk_->showPictureState(pictureDesk_->stateText()); });
+            [this] { compareDesk_->showPictureState(pictureDesk_->stateText(), pictureDesk_->cutScale()); });
     connect(pictureDesk_, &PictureDesk::fieldChanged, this, &MainWindow::judgeView);
 }
 

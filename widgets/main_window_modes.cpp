@@ -79,7 +79,8 @@ void MainWindow::setMode(ViewMode mode)
     viewport_->setMode(mode);
     pictureDesk_->modeChanged();
     atlasDesk_->modeChanged();
-    compareDesk_->showPictureState(pictureDesk_->stateText());
+    compareDesk_->showPictureState(pictureDesk_->stateText(), pictureDesk_->cutScale());
+    mayShowCuts();
     judgeView();
     compareDesk_->modeChanged();
 }

@@ -42,6 +42,7 @@ void MainWindow::useVoxelShow()
 {
     if (pictureDesk_ != nullptr) pictureDesk_->setShow(voxelShow(params_));
     showVoxelLook();
+    mayShowCuts();
 }
 
 } // namespace lightloom

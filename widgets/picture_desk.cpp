@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "widgets/picture_desk.h"
+#include "core/compare/legend.h"
 #include "widgets/viewport.h"
+#include <cmath>
 
 namespace lightloom {
 
@@ -84,6 +86,7 @@ void PictureDesk::viewChanged()
     serial_ = 0;
     picture_ = {};
     viewport_->setMadePicture(nullptr);
+    viewport_->setCuts(nullptr);
     if (isWanted()) delay_.start();
     Q_EMIT stateChanged();
 }
@@ -114,10 +117,25 @@ void PictureDesk::take(const MadePicture& picture)
     if (picture.serial != serial_) return;
     picture_ = picture;
     if (picture.view) viewport_->setMadePicture(picture.view);
+    viewport_->setCuts(picture.cuts);
     Q_EMIT stateChanged();
     if (!picture.field || picture.field == field_) return;
     field_ = picture.field;
     Q_EMIT fieldChanged();
+}
+
+void PictureDesk::showCuts(bool on)
+{
+    if (on == cutsShown_) return;
+    cutsShown_ = on;
+    viewport_->setCutsShown(on);
+    Q_EMIT stateChanged();
+}
+
+std::optional<HeatmapStyle> PictureDesk::cutScale() const
+{
+    if (!cutsShown_ || !hasCuts() || !picture_.cuts) return {};
+    return HeatmapStyle{ErrorKind::absolute, picture_.cuts->top(), LegendUnit::plain, {}};
 }
 
 QString PictureDesk::stateText() const { return isOfVoxels() ? voxelText() : photonText(); }
@@ -131,8 +149,18 @@ QString PictureDesk::voxelText() const
     if (!picture_.problem.isEmpty()) return tr("%1: %2").arg(name, picture_.problem);
     if (serial_ == 0) return tr("%1: the voxel field until the view rests").arg(name);
     if (!picture_.view) return tr("%1: the first blocks of pixels").arg(name);
+    if (cutsShown_ && picture_.cuts) return cutText();
     if (picture_.block > 1) return tr("%1: in blocks of %2 pixels").arg(name).arg(picture_.block);
     return tr("%1: %2 of %3 rays per pixel").arg(name).arg(picture_.view->samples).arg(kSamples);
+}
+
+QString PictureDesk::cutText() const
+{
+    const QString text = tr("Clusters in a cut: %L1 on average, 99 % of the pixels have at most %L2, all %L3")
+                             .arg(std::lround(picture_.cuts->mean))
+                             .arg(picture_.cuts->p99)
+                             .arg(picture_.cuts->most);
+    return picture_.block > 1 ? tr("%1; in blocks of %2 pixels").arg(text).arg(picture_.block) : text;
 }
 
 QString PictureDesk::photonText() const

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "core/compare/legend.h"
 #include "widgets/bake_view.h"
 #include "widgets/picture_worker.h"
 #include <QTimer>
@@ -25,6 +26,10 @@ public:
     /// What the picture shows: a photon map with its cache, or cuts; null: nothing yet.
     [[nodiscard]] const std::shared_ptr<const IndirectField>& field() const { return field_; }
     [[nodiscard]] QString stateText() const;
+    void showCuts(bool on); ///< in place of light: how many clusters each pixel's lightcut took
+    /// Lightcuts are what is looked at.
+    [[nodiscard]] bool hasCuts() const { return isOfVoxels() && show_.lookup == VoxelLookup::lightcuts; }
+    [[nodiscard]] std::optional<HeatmapStyle> cutScale() const; ///< of what is shown so; nothing: light is
 
 Q_SIGNALS:
     void stateChanged();
@@ -39,6 +44,7 @@ private:
     [[nodiscard]] std::shared_ptr<const VoxelField> voxels() const;
     [[nodiscard]] QString photonText() const;
     [[nodiscard]] QString voxelText() const;
+    [[nodiscard]] QString cutText() const;
 
     Viewport* viewport_;
     PictureWorker worker_;
@@ -49,7 +55,7 @@ private:
     std::shared_ptr<const IndirectField> field_;
     bool isAskedOfVoxels_ = false;
     std::uint64_t serial_ = 0; ///< of the question that fits what is seen; 0: none was asked
-    bool isBaking_ = false;
+    bool isBaking_ = false, cutsShown_ = false;
 };
 
 } // namespace lightloom

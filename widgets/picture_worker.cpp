@@ -140,7 +140,7 @@ void PictureWorker::fill(Desk& desk, Workers& workers, const std::stop_token& qu
         std::lock_guard lock(telling);
         if (std::chrono::steady_clock::now() - told < kTellEvery) return;
         told = std::chrono::steady_clock::now();
-        Q_EMIT shown({nullptr, nullptr, part, 1, desk.serial, {}});
+        Q_EMIT shown({nullptr, nullptr, part, nullptr, 1, desk.serial, {}});
     });
     {
         std::lock_guard lock(mutex_);
@@ -180,7 +180,8 @@ void PictureWorker::draw(Desk& desk, Workers& workers, const std::stop_token& st
     if (view.samples == 0 || (stop.stop_requested() && !view.isWhole)) return; // part of a camera ray per pixel
     const int block = making.job().block;
     if (desk.pictures.size() > 1) desk.pictures.pop_back();
-    Q_EMIT shown({std::make_shared<const View>(std::move(view)), desk.field, 1.0, block, desk.serial, {}});
+    const auto cuts = view.cutSizes.empty() ? nullptr : std::make_shared<const CutMap>(cutMap(view));
+    Q_EMIT shown({std::make_shared<const View>(std::move(view)), desk.field, 1.0, cuts, block, desk.serial, {}});
 }
 
 } // namespace lightloom

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "core/bake/progressive_view.h"
+#include "core/compare/cut_map.h"
 #include "core/photonmap/photon_map_solver.h"
 #include "core/voxel/voxel_cuts.h"
 #include <QMetaType>
@@ -28,6 +29,7 @@ struct MadePicture {
     std::shared_ptr<const View> view;           ///< null: not yet, what it is made from is being made
     std::shared_ptr<const IndirectField> field; ///< that it shows: a map with its cache, or cuts; null likewise
     double filled = 0.0;                        ///< part of a photon map's cache, 0 to 1
+    std::shared_ptr<const CutMap> cuts;         ///< of a picture by lightcuts; else null
     int block = 1;                              ///< ViewJob::block
     std::uint64_t serial = 0;                   ///< of its question
     QString problem;                            ///< why there will be none; empty: there will

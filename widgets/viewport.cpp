@@ -69,7 +69,7 @@ void Viewport::initializeGL()
     }
     renderer_ = std::move(*made);
     guestIsNew_ = sceneIsNew_ = bakeIsNew_ = coloursAreNew_ = mixIsNew_ = marksAreNew_ = referenceIsNew_ = madeIsNew_ =
-        errorsAreNew_ = true; // what was set before there was a context
+        mapIsNew_ = true; // what was set before there was a context
 }
 
 void Viewport::releaseGl()
@@ -93,6 +93,7 @@ void Viewport::setScene(std::shared_ptr<const DrawData> drawn, bool keepCamera)
     reference_.reset();
     made_.reset();
     errors_.reset();
+    cuts_.reset();
     mix_.clear();
     sceneIsNew_ = mixIsNew_ = true;
     bakeIsNew_ = coloursAreNew_ = false; // the renderer drops the old ones with the scene

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "core/compare/cut_map.h"
+#include "core/compare/view_error.h"
 #include "widgets/bake_view.h"
 #include "widgets/camera_control.h"
 #include "widgets/frame_pacer.h"
@@ -47,6 +49,9 @@ public:
     /// The scene's atlas, for its mode. Null: none (yet); the octree is shown.
     void setAtlas(std::shared_ptr<const AtlasDraw> atlas);
     void setErrorsShown(bool shown); ///< in place of light, as false colour
+    /// How many clusters the made picture took, pixel by pixel. Null: not known (yet).
+    void setCuts(std::shared_ptr<const CutMap> cuts);
+    void setCutsShown(bool shown); ///< likewise, over that picture
     /// Part of the width, from the left, that reference or errors take; nothing: all of it.
     void setWipe(std::optional<float> part);
     void setIndirectOnly(bool only);
@@ -150,8 +155,10 @@ private:
     std::shared_ptr<const AtlasDraw> atlas_;
     bool atlasIsNew_ = false, atlasReady_ = true; ///< ready: nothing of it is still to be rendered
     std::shared_ptr<const ViewError> errors_;
+    std::shared_ptr<const CutMap> cuts_;
     ViewMode mode_ = ViewMode::octree;
-    bool errorsShown_ = false, referenceIsNew_ = false, madeIsNew_ = false, errorsAreNew_ = false, presentOnly_ = false;
+    bool errorsShown_ = false, cutsShown_ = false, referenceIsNew_ = false, madeIsNew_ = false, mapIsNew_ = false,
+         presentOnly_ = false;
     std::optional<float> wipe_;
     std::vector<Mark> marks_, lampMarks_;
     bool isPicking_ = false, marksAreNew_ = false, lampsAreNew_ = false;

@@ -31,7 +31,7 @@ void Viewport::setErrors(std::shared_ptr<const ViewError> errors)
     if (errors == errors_) return;
     const Overlay before = overlay();
     errors_ = std::move(errors);
-    errorsAreNew_ = true;
+    mapIsNew_ = true;
     overlayChanged(before);
 }
 
@@ -53,6 +53,24 @@ void Viewport::present()
 void Viewport::setErrorsShown(bool shown)
 {
     errorsShown_ = shown;
+    mapIsNew_ = true;
+    changed();
+}
+
+void Viewport::setCuts(std::shared_ptr<const CutMap> cuts)
+{
+    if (cuts == cuts_) return;
+    const Overlay before = overlay();
+    cuts_ = std::move(cuts);
+    mapIsNew_ |= cutsShown_;
+    if (cutsShown_) overlayChanged(before);
+}
+
+void Viewport::setCutsShown(bool shown)
+{
+    if (shown == cutsShown_) return;
+    cutsShown_ = shown;
+    mapIsNew_ = true;
     changed();
 }
 
@@ -70,7 +88,8 @@ void Viewport::setWipe(std::optional<float> part)
 
 Overlay Viewport::overlay() const
 {
-    if (errorsShown_) return errors_ ? Overlay::errors : Overlay::none;
+    if (cutsShown_) return cuts_ && showsMade() ? Overlay::map : Overlay::none;
+    if (errorsShown_) return errors_ ? Overlay::map : Overlay::none;
     const bool isWanted = mode_ == ViewMode::reference || wipe_;
     return isWanted && reference_ ? Overlay::picture : Overlay::none;
 }
@@ -100,8 +119,13 @@ void Viewport::uploadComparison()
     if (madeIsNew_) {
         renderer_->overlay().setMade(!made_ ? FloatImage() : frame_.indirectOnly ? made_->indirect : wholeView(*made_));
     }
-    if (errorsAreNew_) renderer_->overlay().setErrors(errors_ ? *errors_ : ViewError());
-    referenceIsNew_ = madeIsNew_ = errorsAreNew_ = false;
+    if (mapIsNew_ && cutsShown_ && cuts_) {
+        renderer_->overlay().setMap(cuts_->sizes, cuts_->top(), false);
+    } else if (mapIsNew_) {
+        const ViewError errors = errors_ ? *errors_ : ViewError();
+        renderer_->overlay().setMap(errors.map, errors.top, errors.kind == ErrorKind::difference);
+    }
+    referenceIsNew_ = madeIsNew_ = mapIsNew_ = false;
 }
 
 glm::ivec2 Viewport::pixels() const

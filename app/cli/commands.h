@@ -89,7 +89,7 @@ int probe(const Context& context, const ProbeCommand& command);
 
 struct RenderCommand {
     std::string scene, method, bakeFile, camera, output;
-    std::string noiseMap; ///< empty: none is written
+    std::string noiseMap, cutMap; ///< empty: none is written
     int width = 800, height = 600;
     std::optional<int> samplesPerPixel;
     std::optional<float> ev;  ///< exposure of a .png; else the scene's, else one that suits the picture

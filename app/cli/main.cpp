@@ -259,6 +259,8 @@ private:
                           "Gather indirect light with probe.rays rays a pixel; the bake answers where they end");
         command->add_option("--noise-map", r.noiseMap, "Where to write the noise that the bake states, in false colour")
             ->option_text("OUT.png");
+        command->add_option("--cut-map", r.cutMap, "Where to write the sizes of lightcuts, in false colour")
+            ->option_text("OUT.png");
         addCache(*command, r.cache);
         addBakeOptions(*command);
         addBudgets(*command);

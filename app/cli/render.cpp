@@ -4,6 +4,7 @@
 #include "core/bake/solver_for.h"
 #include "core/bake/view_caustics.h"
 #include "core/base/image_file.h"
+#include "core/compare/cut_map.h"
 #include "core/compare/legend.h"
 #include "core/compare/noise_map.h"
 #include "core/compare/reference_store.h"
@@ -107,6 +108,13 @@ Result<Done> writeNoiseMap(const Context& context, const RenderCommand& command,
     return writePng(command.noiseMap, heatmap(map, style), {{"Title", style.caption}});
 }
 
+Result<Done> writeCutMap(const RenderCommand& command, const CutMap& cuts)
+{
+    const HeatmapStyle style{ErrorKind::absolute, cuts.top(), LegendUnit::plain,
+                             fmt::format("cut size, mean {:.0f}, p99 {}, max {}", cuts.mean, cuts.p99, cuts.most)};
+    return writePng(command.cutMap, heatmap(cuts.sizes, style), {{"Title", style.caption}});
+}
+
 /// There must be a field for the gather rays to end in.
 Result<Done> checkFinalGather(const RenderCommand& command)
 {
@@ -123,10 +131,37 @@ Result<Done> checkNoiseMap(const RenderCommand& command)
                  fmt::format("--noise-map shows the noise of a bake, and {} bakes nothing", command.method)};
 }
 
+/// Only lightcuts have sizes; told before a bake where no file has to be read for it.
+Result<Done> checkCutMap(const RenderCommand& command, const LightingRequest& request)
+{
+    if (command.cutMap.empty()) return Done{};
+    if (command.finalGather) {
+        return Error{Error::Kind::badInput, "--cut-map shows lightcuts, and --final-gather makes none"};
+    }
+    if (!command.bakeFile.empty()) return Done{};
+    const Result<Method> method = methodNamed(command.method);
+    if (*method != Method::voxelLightcuts) {
+        return Error{
+            Error::Kind::badInput,
+            fmt::format("--cut-map shows the lightcuts of voxel-lightcuts, and {} makes none", command.method)};
+    }
+    const Result<BakeParams> params = bakeParams(request.options, *method);
+    if (params->voxelLookup == VoxelLookup::lightcuts) return Done{};
+    return Error{Error::Kind::badInput, "--cut-map shows lightcuts; leave voxel.lookup at lightcuts"};
+}
+
 Result<Done> checkOutputs(const RenderCommand& command)
 {
-    const Result<Done> fine = checkOutput(command.output);
-    return !fine || command.noiseMap.empty() ? fine : checkOutput(command.noiseMap);
+    for (const std::string* output : {&command.output, &command.noiseMap, &command.cutMap}) {
+        if (output != &command.output && output->empty()) continue;
+        if (const Result<Done> fine = checkOutput(*output); !fine) return fine;
+    }
+    return Done{};
+}
+
+bool isByCuts(const Lighting& lighting)
+{
+    return lighting.method == Method::voxelLightcuts && lighting.params.voxelLookup == VoxelLookup::lightcuts;
 }
 
 Result<bool> isExrName(const std::string& output)
@@ -148,6 +183,7 @@ int render(const Context& context, const RenderCommand& command)
     if (const Result<Done> fine = checkRequest(request); !fine) return failUsage(fine.error());
     if (const Result<Done> fine = checkNoiseMap(command); !fine) return failUsage(fine.error());
     if (const Result<Done> fine = checkFinalGather(command); !fine) return failUsage(fine.error());
+    if (const Result<Done> fine = checkCutMap(command, request); !fine) return failUsage(fine.error());
     const Result<bool> isExr = isExrName(command.output);
     if (!isExr) return failUsage(isExr.error());
     if (const Result<Done> fine = checkOutputs(command); !fine) return failWriting(fine.error());
@@ -165,6 +201,10 @@ int render(const Context& context, const RenderCommand& command)
     const Result<Camera> camera = cameraNamed(context, scene, command.camera, aspect);
     if (!camera) return fail(camera.error());
 
+    if (!command.cutMap.empty() && !isByCuts(*lighting)) {
+        return fail({Error::Kind::badInput,
+                     fmt::format("{} is not looked up by lightcuts: --cut-map has nothing to show", command.bakeFile)});
+    }
     if (!command.noiseMap.empty()) {
         const Result<Done> written = writeNoiseMap(context, command, *lighting, *camera);
         if (!written && written.error().kind == Error::Kind::cancelled) return fail(written.error());
@@ -180,6 +220,15 @@ int render(const Context& context, const RenderCommand& command)
     const float ev = command.ev ? *command.ev : scene.exposureEv ? *scene.exposureEv : suitingEv(wholeView(view));
     const double rays = static_cast<double>(view.rays), error = pictureNoise(view);
     const ImageNotes notes = notesOf(*lighting, job, ev, view);
+    const CutMap cuts = cutMap(view);
+    if (cuts.pixels > 0) {
+        log(context.log, LogLevel::info,
+            fmt::format("cuts of {:.0f} clusters on average, in 99 % of the pixels at most {}, {} at most", cuts.mean,
+                        cuts.p99, cuts.most));
+    }
+    if (!command.cutMap.empty()) {
+        if (const Result<Done> written = writeCutMap(command, cuts); !written) return failWriting(written.error());
+    }
     const Result<Done> written =
         writePicture(command.output, *isExr, std::move(view), lighting->method == Method::reference, ev, notes);
     if (!written) return failWriting(written.error());
@@ -190,17 +239,18 @@ int render(const Context& context, const RenderCommand& command)
     }
     if (context.json) {
         const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - began;
-        const nlohmann::json json{{"method", methodName(lighting->method)},
-                                  {"camera", job.camera.name},
-                                  {"width", job.width},
-                                  {"height", job.height},
-                                  {"samples", rays / (static_cast<double>(job.width) * job.height)},
-                                  {"relative_standard_error", error},
-                                  {"exposure_ev", ev},
-                                  {"seconds", seconds.count()},
-                                  {"bake_seconds", lighting->bakeSeconds},
-                                  {"threads", context.workers->threadCount()},
-                                  {"output", command.output}};
+        nlohmann::json json{{"method", methodName(lighting->method)},
+                            {"camera", job.camera.name},
+                            {"width", job.width},
+                            {"height", job.height},
+                            {"samples", rays / (static_cast<double>(job.width) * job.height)},
+                            {"relative_standard_error", error},
+                            {"exposure_ev", ev},
+                            {"seconds", seconds.count()},
+                            {"bake_seconds", lighting->bakeSeconds},
+                            {"threads", context.workers->threadCount()},
+                            {"output", command.output}};
+        if (cuts.pixels > 0) json["cut_sizes"] = {{"mean", cuts.mean}, {"p99", cuts.p99}, {"max", cuts.most}};
         fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
     }
     return kDone;

@@ -40,6 +40,8 @@ struct View {
     std::uint64_t rays = 0;   ///< camera rays, over all pixels
     std::uint64_t capped = 0; ///< pixels that used all samples before they met the target
     std::uint64_t causticRounds = 0; ///< of photons from small lamps by way of mirrors; 0: there are none
+    std::vector<int> cutSizes{};     ///< by pixel, clusters and lights in the cut that lit the surface in its middle, 0
+                                     ///< where there was none; empty: not by lightcuts
 };
 
 /// What a pixel has taken in so far.
@@ -62,6 +64,7 @@ struct CausticPixel {
 struct MiddleLight {
     bool isKnown = false, isThere = false; ///< looked for; found
     glm::vec3 position{0.0f}, normal{0.0f}, lux{0.0f};
+    int cutSize = 0; ///< of the lightcut that gave it; 0: none did
     /// Whether a place is on the same surface, or on one that bends little.
     [[nodiscard]] bool isFor(glm::vec3 p, glm::vec3 n, float rounding) const
     {

@@ -2,6 +2,7 @@
 #include "core/bake/view_eye.h"
 #include "core/base/units.h"
 #include "core/trace/medium.h"
+#include "core/voxel/voxel_cuts.h"
 #include <cmath>
 #include <limits>
 
@@ -9,12 +10,18 @@ namespace lightloom {
 
 namespace {
 constexpr int kMostMirrors = 32; ///< between facing mirrors, say, or within a glass
+
+const VoxelCuts* cutsOf(const IndirectField* field)
+{
+    const auto* cuts = dynamic_cast<const VoxelCuts*>(field);
+    return cuts && cuts->show().lookup == VoxelLookup::lightcuts ? cuts : nullptr;
 }
+} // namespace
 
 Eye::Eye(const RayScene& rays, const LightSampler& lights, const Mix& mix, const IndirectField* field,
          const ViewJob& job, const CausticLamps* byPhotons)
-    : rays_(rays), lights_(lights), mix_(mix), field_(field), job_(job), directSamples_(share(job.directSamples)),
-      gatherRays_(share(job.gatherRays)), paths_(rays, lights, mix, byPhotons)
+    : rays_(rays), lights_(lights), mix_(mix), field_(field), cuts_(cutsOf(field)), job_(job),
+      directSamples_(share(job.directSamples)), gatherRays_(share(job.gatherRays)), paths_(rays, lights, mix, byPhotons)
 {
     if (field_) cached_ = [this](glm::vec3 p, glm::vec3 n, glm::vec3& lux) { return field_->lookupQuick(p, n, lux); };
 }
@@ -27,8 +34,15 @@ MiddleLight Eye::middle(glm::vec3 origin, glm::vec3 travel) const
     if (!rays_.intersect(origin, travel, std::numeric_limits<float>::infinity(), hit)) return found;
     found.position = hit.position;
     found.normal = hit.facing();
-    found.isThere = surfaceAt(rays_, hit).diffuse != glm::vec3(0.0f) && //
-                    field_->lookup(found.position, found.normal, found.lux);
+    if (surfaceAt(rays_, hit).diffuse == glm::vec3(0.0f)) return found;
+    if (!cuts_) {
+        found.isThere = field_->lookup(found.position, found.normal, found.lux);
+        return found;
+    }
+    const Lightcut cut = cuts_->cutAt(found.position, found.normal);
+    found.isThere = true;
+    found.lux = cut.illuminance;
+    found.cutSize = cut.nodes;
     return found;
 }
 

@@ -7,6 +7,8 @@
 /// What the passes over a picture share: rays through pixels, and what comes back along them.
 namespace lightloom {
 
+class VoxelCuts;
+
 /// cd/m2 along a camera ray.
 struct Radiance {
     glm::vec3 direct{0.0f}, indirect{0.0f};
@@ -26,6 +28,7 @@ public:
                                  const MiddleLight* middle = nullptr) const;
     /// What a ray through the middle of a pixel meets, and the field's light there.
     [[nodiscard]] MiddleLight middle(glm::vec3 origin, glm::vec3 travel) const;
+    [[nodiscard]] bool isByCuts() const { return cuts_ != nullptr; }
 
 private:
     [[nodiscard]] int share(int perPixel) const { return glm::max(1, (perPixel + job_.samples - 1) / job_.samples); }
@@ -37,6 +40,7 @@ private:
     const LightSampler& lights_;
     const Mix& mix_;
     const IndirectField* field_;
+    const VoxelCuts* cuts_; ///< the field, where it is by lightcuts; else null
     const ViewJob& job_;
     int directSamples_, gatherRays_;
     CachedIndirect cached_;

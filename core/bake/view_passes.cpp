@@ -53,12 +53,26 @@ std::size_t ViewPass::blockCount() const
            static_cast<std::size_t>(blocksAlong(job.height, job.block));
 }
 
+std::size_t ViewPass::blockOf(int x, int y) const
+{
+    return static_cast<std::size_t>(y / job.block * blocksAlong(job.width, job.block) + x / job.block);
+}
+
+std::vector<int> ViewPass::cutSizes() const
+{
+    std::vector<int> sizes;
+    sizes.reserve(pixelCount());
+    for (int y = 0; y < job.height; ++y) {
+        for (int x = 0; x < job.width; ++x) sizes.push_back((*middles)[blockOf(x, y)].cutSize);
+    }
+    return sizes;
+}
+
 /// The block's that pixel (x, y) lies in. Looked for by whoever comes first: one thread works on a block.
 const MiddleLight& ViewPass::middleOf(int x, int y) const
 {
     const int side = job.block;
-    const int block = y / side * blocksAlong(job.width, side) + x / side;
-    MiddleLight& middle = (*middles)[static_cast<std::size_t>(block)];
+    MiddleLight& middle = (*middles)[blockOf(x, y)];
     if (middle.isKnown) return middle;
     const int left = x / side * side, top = y / side * side;
     const glm::vec2 half = 0.5f * glm::vec2(glm::min(side, job.width - left), glm::min(side, job.height - top));

@@ -16,6 +16,8 @@ struct ViewPass {
     std::vector<MiddleLight>* middles = nullptr; ///< of all blocks; null: each sample asks the field
 
     [[nodiscard]] std::size_t blockCount() const; ///< of ViewJob::block
+    /// `middles`, for each pixel the one of its block.
+    [[nodiscard]] std::vector<int> cutSizes() const;
     [[nodiscard]] std::size_t pixelCount() const
     {
         return static_cast<std::size_t>(job.width) * static_cast<std::size_t>(job.height);
@@ -24,6 +26,7 @@ struct ViewPass {
     [[nodiscard]] Radiance sample(std::size_t pixel, std::uint64_t number, int perBatch) const;
 
 private:
+    [[nodiscard]] std::size_t blockOf(int x, int y) const;
     [[nodiscard]] const MiddleLight& middleOf(int x, int y) const;
 };
 

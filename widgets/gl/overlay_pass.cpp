@@ -10,9 +10,9 @@ Result<OverlayPass> OverlayPass::make(Gl& gl, const ShaderLibrary& shaders)
 {
     Result<GlProgram> picture = shaders.link(gl, "fullscreen.vert", "pass_reference.frag");
     if (!picture) return picture.error();
-    Result<GlProgram> errors = shaders.link(gl, "fullscreen.vert", "pass_heatmap.frag");
-    if (!errors) return errors.error();
-    return OverlayPass(gl, std::move(*picture), std::move(*errors));
+    Result<GlProgram> map = shaders.link(gl, "fullscreen.vert", "pass_heatmap.frag");
+    if (!map) return map.error();
+    return OverlayPass(gl, std::move(*picture), std::move(*map));
 }
 
 namespace {
@@ -28,29 +28,28 @@ GlTexture upload(Gl& gl, const FloatImage& radiance)
 void OverlayPass::setPicture(const FloatImage& radiance) { picture_ = upload(*gl_, radiance); }
 void OverlayPass::setMade(const FloatImage& radiance) { made_ = upload(*gl_, radiance); }
 
-void OverlayPass::setErrors(const ViewError& error)
+void OverlayPass::setMap(const ScalarImage& map, float top, bool isSigned)
 {
-    errors_.reset();
-    if (error.map.values.empty()) return;
-    errors_ =
-        makeTexture2D(*gl_, GL_R32F, {error.map.width, error.map.height}, GL_RED, GL_FLOAT, error.map.values.data());
-    top_ = error.top;
-    isSigned_ = error.kind == ErrorKind::difference;
+    map_.reset();
+    if (map.values.empty()) return;
+    map_ = makeTexture2D(*gl_, GL_R32F, {map.width, map.height}, GL_RED, GL_FLOAT, map.values.data());
+    top_ = top;
+    isSigned_ = isSigned;
 }
 
 void OverlayPass::draw(const FrameView& frame, const GBuffer& buffers, int samples, glm::ivec2 window) const
 {
     if (frame.showsMade && made_) drawPicture(made_, frame, buffers, samples);
-    const bool isErrors = frame.overlay == Overlay::errors;
-    const GlTexture& texture = isErrors ? errors_ : picture_;
+    const bool isMap = frame.overlay == Overlay::map;
+    const GlTexture& texture = isMap ? map_ : picture_;
     if (frame.overlay == Overlay::none || !texture) return;
     gl_->glEnable(GL_SCISSOR_TEST);
     gl_->glScissor(0, 0, static_cast<int>(std::lround(frame.wipe * static_cast<float>(window.x))), window.y);
-    if (isErrors) {
-        errorProgram_.use();
-        errorProgram_.setTexture("errors", 0, GL_TEXTURE_2D, texture.id());
-        errorProgram_.set("top", top_);
-        errorProgram_.set("isSigned", isSigned_ ? 1 : 0);
+    if (isMap) {
+        mapProgram_.use();
+        mapProgram_.setTexture("numbers", 0, GL_TEXTURE_2D, texture.id());
+        mapProgram_.set("top", top_);
+        mapProgram_.set("isSigned", isSigned_ ? 1 : 0);
         drawFullscreen(*gl_);
     } else {
         drawPicture(texture, frame, buffers, samples);

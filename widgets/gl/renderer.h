@@ -27,7 +27,7 @@ enum class ViewMode {
 };
 
 /// What is laid over it.
-enum class Overlay { none, picture, errors };
+enum class Overlay { none, picture, map };
 
 struct FrameView {
     glm::mat4 view{1.0f}, projection{1.0f};
