@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Discrete lines against bare rtcIntersect1 in one run, one thread, CPU time, variants in turn, medians of 5; a ray of
 // the lines is an entry times a direction, both ways at once. Walking the lines with one entry per voxel and with
-// those of every orientation, partners stored in rows, a bounce and all bounces summed over rows and walked.
-//   bench_voxels [SCENE ...] [--cells N] [--directions D] [--part walk|bounces|threads|scale ...]
+// those of every orientation, partners stored in rows, a bounce and all bounces summed over rows and walked, bounces in
+// one order or another, voxels after an object was moved.
+//   bench_voxels [SCENE ...] [--cells N] [--directions D] [--part walk|bounces|orders|edit|threads|scale ...]
 #include "core/base/sampling.h"
 #include "core/photonmap/photon_products.h"
+#include "core/scene/shapes.h"
 #include "core/transport/first_light.h"
 #include "core/transport/voxel_bounces.h"
 #include "tests/bench_clock.h"
@@ -118,6 +120,65 @@ void benchBounces(const std::string& name, const SceneProducts& at, const Bounds
                1e3 * t[2], t[1] / t[2], perElement, bounces, 1e3 * t[3], 1e3 * t[4], t[3] / t[4]);
 }
 
+/// Root mean square by area of what two results differ by, over the first one's mean.
+double difference(const SurfaceVoxels& voxels, const EntryValues& of, const EntryValues& from)
+{
+    double squares = 0.0, mean = 0.0, area = 0.0;
+    for (std::size_t i = 0; i < of.values.size(); ++i) {
+        const auto a = static_cast<double>(voxels.entries[i / 3].area), v = static_cast<double>(of.values[i]);
+        const double d = static_cast<double>(from.values[i]) - v;
+        squares += a * d * d, mean += a * v, area += a;
+    }
+    return std::sqrt(squares / area) / (mean / area);
+}
+
+/// Bounces that follow each other in different ways, to the same gain: how many, along how many directions together,
+/// how long; what one more bounce along all directions would change, and how far all are from the end of it.
+void benchOrders(const std::string& name, const SceneProducts& at, const Bounds& bounds, int cells,
+                 const Options& options, Workers& workers)
+{
+    const auto voxels = voxelise(bounds, *at.reach, cells, 0.0f, workers, {});
+    const VoxelOrders orders(*voxels);
+    const std::vector<glm::vec3> albedo = entryAlbedos(*at.rays, *at.reach, *voxels);
+    const std::vector<int> groups{0};
+    const EntryValues light = reflected(firstLight(*at.lights, *at.reach, *voxels, groups, 4, 1, workers, {}), albedo);
+    const auto table =
+        PartnerTable::make(*at.rays, *voxels, orders, options.directions, std::size_t(8) << 30, workers, {});
+    int bounces = 0;
+    const auto solved = [&](const EntryValues& leaving, const BounceParams& params) {
+        return bounceLight(*at.rays, *voxels, orders, leaving, albedo, params, workers, {}, &bounces, table.get());
+    };
+    BounceParams end;
+    end.directions = end.leastDirections = options.directions;
+    end.leastGain = 1e-6f;
+    const EntryValues exact = solved(light, end);
+    for (const VoxelBounces order : {VoxelBounces::halving, VoxelBounces::gaussSeidel}) {
+        for (const int least : {options.directions, 64}) {
+            for (const float gain : {0.005f, 0.0005f}) {
+                BounceParams params = end;
+                params.leastDirections = least, params.leastGain = gain, params.order = order;
+                EntryValues lux;
+                const double seconds = medians({[&] { lux = solved(light, params); }})[0];
+                const int taken = bounces;
+                std::size_t along = 0;
+                for (int b = 0, d = options.directions; b < taken; ++b, d = std::max(least, d / 2))
+                    along += std::size_t(d);
+                BounceParams once = end;
+                once.mostBounces = 1;
+                EntryValues leaving = light;
+                for (std::size_t i = 0; i < lux.values.size(); ++i)
+                    leaving.values[i] += lux.values[i] * albedo[i / 3][static_cast<int>(i % 3)];
+                const EntryValues next = solved(leaving, once);
+                fmt::print(
+                    "{:<12} {:4} {:<12} {:4} gain {:.4f}: {:3} bounces {:6} directions {:7.1f} ms, residual {:.5f}, "
+                    "off {:.5f}\n",
+                    name, cells, kVoxelBouncesNames[static_cast<std::size_t>(order)], least == 64 ? "half" : "all",
+                    gain, taken, along, 1e3 * seconds, difference(*voxels, lux, next), difference(*voxels, exact, lux));
+            }
+        }
+    }
+}
+
 /// What the same work takes on one thread and on two: CPU time of the process, and how busy it kept the machine.
 void benchThreads(const std::string& name, const SceneProducts& at, const Bounds& bounds, int cells,
                   const Options& options)
@@ -176,6 +237,42 @@ void benchScale(const std::string& name, const SceneProducts& at, const Bounds& 
     }
 }
 
+/// A cube of a tenth of the scene's side, moved by as much as itself: voxels made anew, and from those before.
+void benchEdit(const std::string& name, const Scene& scene, int cells, Workers& workers)
+{
+    const float side = 0.1f * scene.bounds.longestSide();
+    struct Made {
+        std::shared_ptr<const RayScene> rays;
+        std::shared_ptr<const LightReach> reach;
+    };
+    const auto with = [&](float moved) {
+        Scene edited = scene;
+        edited.meshes.push_back(boxMesh(glm::vec3(-0.5f * side), glm::vec3(0.5f * side), Facing::out));
+        Instance cube;
+        cube.mesh = static_cast<int>(edited.meshes.size()) - 1;
+        cube.toWorld[3] = glm::vec4(scene.bounds.centre() + glm::vec3(moved, 0.0f, 0.0f), 1.0f);
+        edited.instances.push_back(cube);
+        Made made;
+        made.rays = *RayScene::build(std::make_shared<const Scene>(std::move(edited)));
+        made.reach = LightReach::find(*made.rays, LightSampler(made.rays), workers, {});
+        return made;
+    };
+    const Made before = with(0.0f), after = with(side);
+    const auto voxels = voxelise(scene.bounds, *before.reach, cells, 0.0f, workers, {});
+    std::size_t clipped = 0;
+    const std::vector<double> t = medians(
+        {[&] { (void)voxelise(scene.bounds, *after.reach, cells, 0.0f, workers, {}); },
+         [&] {
+             (void)revoxelise(*voxels, *before.reach, scene.bounds, *after.reach, cells, 0.0f, workers, {}, &clipped);
+         },
+         [&] { const VoxelOrders orders(*voxels); }});
+    fmt::print(
+        "{:<16} {:4} {:8} entries: anew {:6.1f} ms, from those before {:6.1f} ms ({:.1f} x), {} of {} facets cut up; "
+        "orders of lines {:.1f} ms\n",
+        name, cells, voxels->entries.size(), 1e3 * t[0], 1e3 * t[1], t[0] / t[1], clipped, after.reach->facets().size(),
+        1e3 * t[2]);
+}
+
 } // namespace
 
 int main(int argc, char** argv)
@@ -216,6 +313,14 @@ int main(int argc, char** argv)
                 "\nms                  cells  entries     MB    made  one walk   stored  ratio ns/elt  all walk   "
                 "stored  ratio\n");
             for (const int cells : cellsOr({64, 128})) benchBounces(name, *at, scene->bounds, cells, options, workers);
+        }
+        if (wants("orders")) {
+            fmt::print("\n");
+            for (const int cells : cellsOr({64, 128})) benchOrders(name, *at, scene->bounds, cells, options, workers);
+        }
+        if (wants("edit")) {
+            fmt::print("\n");
+            for (const int cells : cellsOr({64, 128, 256})) benchEdit(name, *scene, cells, workers);
         }
         if (wants("threads")) {
             for (const int cells : cellsOr({64, 128})) benchThreads(name, *at, scene->bounds, cells, options);

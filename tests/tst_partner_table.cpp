@@ -154,8 +154,30 @@ private Q_SLOTS:
         }
     }
 
+    void inTurnThreadsDoNotMatter() // Gauss-Seidel goes over fixed parts of the surface
+    {
+        const Voxels voxels(cornellBox(), 32);
+        const auto table = voxels.stored(96);
+        BounceParams params;
+        params.directions = 96;
+        params.order = VoxelBounces::gaussSeidel;
+        const EntryValues light = anyLight(voxels, 6);
+        const std::vector<glm::vec3> albedo = anyAlbedo(voxels);
+        const EntryValues one = voxels.bounced(light, albedo, params, 1, table.get());
+        QVERIFY(voxels.bounced(light, albedo, params, 3, table.get()).values == one.values);
+        params.order = VoxelBounces::halving;
+        QVERIFY(voxels.bounced(light, albedo, params, 1, table.get()).values != one.values);
+    }
+
+    void lampsDoNotMix_data()
+    {
+        QTest::addColumn<VoxelBounces>("order");
+        QTest::newRow("halving") << VoxelBounces::halving;
+        QTest::newRow("gauss-seidel") << VoxelBounces::gaussSeidel;
+    }
     void lampsDoNotMix()
     {
+        QFETCH(VoxelBounces, order);
         // seven light groups in one pass are what each is alone, to the bit, though they end after different numbers of
         // bounces; a red one stays red
         const Voxels voxels(cornellBox(), 24);
@@ -167,6 +189,7 @@ private Q_SLOTS:
         }
         BounceParams params;
         params.directions = 128;
+        params.order = order;
         const std::vector<glm::vec3> albedo = anyAlbedo(voxels);
         const EntryValues together = voxels.bounced(light, albedo, params, 2, table.get());
         std::set<int> counts;

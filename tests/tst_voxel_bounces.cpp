@@ -44,6 +44,47 @@ private Q_SLOTS:
         }
     }
 
+    void inTurnItIsTheSame() // Gauss-Seidel: the same furnace in fewer bounces, and one more changes nothing
+    {
+        Voxels voxels(twoRooms(), 48, 0.3f);
+        constexpr double rho = 0.8;
+        BounceParams params;
+        params.directions = params.leastDirections = 256;
+        params.leastGain = 1e-4f;
+        const auto count = voxels.entries().size();
+        const EntryValues light{3, std::vector<float>(3 * count, 1.0f)};
+        const std::vector<glm::vec3> albedo(count, glm::vec3(static_cast<float>(rho)));
+        const auto table = voxels.stored(params.directions);
+        Workers workers(2);
+        int bounces[2] = {};
+        for (const VoxelBounces order : {VoxelBounces::halving, VoxelBounces::gaussSeidel}) {
+            params.order = order;
+            int& taken = bounces[order == VoxelBounces::gaussSeidel];
+            const EntryValues lux = bounceLight(*voxels.rays, *voxels.surface, *voxels.orders, light, albedo, params,
+                                                workers, {}, &taken, table.get());
+            BounceParams once = params;
+            once.order = VoxelBounces::halving;
+            once.mostBounces = 1;
+            EntryValues leaving = light;
+            for (std::size_t i = 0; i < lux.values.size(); ++i)
+                leaving.values[i] += static_cast<float>(rho) * lux.values[i];
+            const EntryValues next = voxels.bounced(leaving, albedo, once, 2, table.get());
+            double off = 0.0, mean = 0.0, area = 0.0;
+            for (std::size_t e = 0; e < count; ++e) {
+                const auto a = static_cast<double>(voxels.entries()[e].area),
+                           l = static_cast<double>(lux.values[3 * e]);
+                const double d = static_cast<double>(next.values[3 * e]) - l;
+                off += d * d * a, mean += l * a, area += a;
+            }
+            mean /= area;
+            qInfo("%d bounces, mean %.4f of what is expected, residual %.1e", taken, mean * (1.0 - rho),
+                  std::sqrt(off / area) / mean);
+            QVERIFY(std::abs(mean * (1.0 - rho) - 1.0) <= 0.005);
+            QVERIFY(std::sqrt(off / area) <= 1e-4 * mean);
+        }
+        QVERIFY(bounces[1] <= 0.75 * bounces[0]); // half as many, did each part see all others alike
+    }
+
     void reflectionOfAPlane() // A4: an open scene, by the code that furnaces use
     {
         Voxels voxels(reflectionScene(4.0f), 128);

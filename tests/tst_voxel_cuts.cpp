@@ -11,6 +11,9 @@
 #include "core/compare/cut_map.h"
 #include "core/photonmap/photon_products.h"
 #include "core/scene/sample_scenes.h"
+#include "core/scene/scene_builder.h"
+#include "core/scene/shapes.h"
+#include "core/trace/direct_light.h"
 #include "core/trace/final_gather.h"
 #include "core/voxel/voxel_cuts.h"
 #include "core/voxel/voxel_solver.h"
@@ -125,6 +128,115 @@ private Q_SLOTS:
             QVERIFY(cuts->lookup(middle, n, lux));
             QVERIFY(std::abs(luminance(lux) / luminance(gathered(middle, n)) - 1.0f) <= 0.05f);
         }
+    }
+
+    void lampsInTheCut() // joined at a root: the lamp's part is exact direct light, the rest what a cut alone finds
+    {
+        params_ = asked_;
+        params_.voxelLamps = 256;
+        const auto field = shown(VoxelLookup::lightcuts);
+        const auto& cuts = dynamic_cast<const VoxelCuts&>(*field);
+        RunningMean direct, others, all;
+        for (const SurfacePoint& point : samplePoints(*at_.rays, *at_.lights, *at_.reach, 60, 3)) {
+            const glm::vec3 p = point.position, n = point.normal;
+            Rng rng(1, 2, 3);
+            const float exact = luminance(directIlluminance(*at_.rays, *at_.lights, {}, p, n, 4096, rng)),
+                        alone = luminance(field->irradiance(p, n)), whole = exact + alone;
+            const Lightcut joined = cuts.joinedAt(p, n);
+            const float lamps = luminance(joined.fromLamps), rest = luminance(joined.illuminance) - lamps;
+            direct.add(std::pow(double((lamps - exact) / whole), 2.0));
+            others.add(std::pow(double((rest - alone) / whole), 2.0));
+            all.add(double((lamps + rest) / whole - 1.0f));
+        }
+        qInfo("off by %.4f (lamps), %.4f (others) of all light, mean %+.4f", std::sqrt(direct.mean()),
+              std::sqrt(others.mean()), all.mean());
+        QVERIFY(std::sqrt(direct.mean()) <= 1.6 * double(params_.voxelThreshold));
+        QVERIFY(std::sqrt(others.mean()) <= 1.6 * double(params_.voxelThreshold));
+        QVERIFY(std::abs(all.mean()) <= 0.5 * double(params_.voxelThreshold));
+        params_ = asked_;
+    }
+
+    void
+    picturesWithLampsInTheCut() // are those with shadow rays to lamps, apart from noise; direct light by direct light
+    {
+        params_ = asked_;
+        ViewJob job = pictureOf(*scene_);
+        job.directSamples = 64;
+        View views[2];
+        for (const int lamps : {0, 256}) {
+            params_.voxelLamps = lamps;
+            const auto field = shown(VoxelLookup::lightcuts);
+            views[lamps > 0] = renderView(*at_.rays, *at_.lights, {}, field.get(), job, workers_, {});
+        }
+        for (const auto image : {&View::direct, &View::indirect}) {
+            double squares = 0.0, difference = 0.0, sum = 0.0, count = 0.0;
+            for (std::size_t i = 0; i < (views[0].*image).pixels.size(); ++i) {
+                const auto a = double(luminance((views[0].*image).pixels[i])),
+                           b = double(luminance((views[1].*image).pixels[i]));
+                if (a > 1000.0) continue; // the lamp itself
+                squares += (b - a) * (b - a), difference += b - a, sum += a, count += 1.0;
+            }
+            qInfo("rms %.4f, mean %+.4f", std::sqrt(squares / count) / (sum / count), difference / sum);
+            QVERIFY(std::sqrt(squares / count) <= 0.1 * sum / count);
+            QVERIFY(std::abs(difference) <= 0.01 * sum);
+        }
+        params_ = asked_;
+    }
+
+    void wideLobesAreLitByCuts_data()
+    {
+        QTest::addColumn<float>("roughness");
+        QTest::addColumn<bool>("isWide");
+        QTest::newRow("narrow, by rays") << 0.35f << false;
+        QTest::newRow("wide") << 0.5f << true;
+        QTest::newRow("wider") << 0.8f << true;
+    }
+    void wideLobesAreLitByCuts() // a small plate of metal in a room: as paths see it, and counted
+    {
+        QFETCH(float, roughness);
+        QFETCH(bool, isWide);
+        SceneBuilder builder("plate");
+        builder.add("Room", boxMesh({-1, 0, -1}, {1, 2, 1}, Facing::in),
+                    builder.addMaterial("grey", {0.7f, 0.5f, 0.4f}));
+        builder.add("Red", quadMesh({-0.99f, 0, -1}, {0, 2, 0}, {0, 0, 2}),
+                    builder.addMaterial("red", {0.8f, 0.1f, 0.1f}));
+        builder.add("Plate", quadMesh({-0.15f, 0.05f, -0.15f}, {0, 0, 0.3f}, {0.3f, 0, 0}),
+                    builder.addMetal("metal", glm::vec3(0.9f), roughness));
+        builder.addPoint("Lamp", {0.3f, 1.6f, 0.2f}, glm::vec3(100.0f));
+        builder.addCamera("close", {0.3f, 0.35f, 0.0f}, {0.0f, 0.05f, 0.0f}, 20.0f);
+        const auto scene = share(builder.finish());
+        BakeParams p = asked_;
+        p.voxelSize = 32;
+        VoxelSolver solver;
+        BakeProducts products;
+        const BakeJob bake{scene, p, {}};
+        const Baked baked = runSolver(solver, bake, products);
+        QVERIFY2(baked.error.empty(), baked.error.c_str());
+        BakeControl quiet(workers_, {});
+        const SceneProducts at = *sceneProducts(bake, products, quiet);
+        const auto field = *shownField(baked.field, p, at.lights);
+        ViewJob job = pictureOf(*scene);
+        job.width = 16, job.height = 12, job.samples = 64;
+        job.withDirect = false;
+        const View cuts = renderView(*at.rays, *at.lights, {}, field.get(), job, workers_, {});
+        const auto pixels = cuts.indirect.pixels.size();
+        QCOMPARE(cuts.glossByCut, isWide ? pixels : 0u);
+        QCOMPARE(cuts.glossByRays, isWide ? 0u : pixels);
+        job.indirect = ViewJob::Indirect::paths;
+        job.samples = 1024;
+        const View paths = renderView(*at.rays, *at.lights, {}, nullptr, job, workers_, {});
+        glm::dvec3 found(0.0), wanted(0.0);
+        double squares = 0.0;
+        for (std::size_t i = 0; i < pixels; ++i) {
+            found += glm::dvec3(cuts.indirect.pixels[i]), wanted += glm::dvec3(paths.indirect.pixels[i]);
+            squares += std::pow(double(luminance(cuts.indirect.pixels[i] - paths.indirect.pixels[i])), 2.0);
+        }
+        const glm::dvec3 ratio = found / wanted;
+        const double mean = double(luminance(glm::vec3(wanted))) / double(pixels);
+        qInfo("%.3f %.3f %.3f of what paths see, rms %.3f", ratio.x, ratio.y, ratio.z,
+              std::sqrt(squares / double(pixels)) / mean);
+        for (int c = 0; c < 3; ++c) QVERIFY(std::abs(ratio[c] - 1.0) <= 0.04);
+        QVERIFY(std::sqrt(squares / double(pixels)) <= 0.1 * mean);
     }
 
     void samplesAreRightInTheMean() // places share their draws, so that only seeds tell

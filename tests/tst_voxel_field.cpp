@@ -10,6 +10,7 @@
 #include "core/base/units.h"
 #include "core/scene/sample_scenes.h"
 #include "core/scene/scene_builder.h"
+#include "core/scene/shapes.h"
 #include "core/voxel/voxel_solver.h"
 #include "light_helpers.h"
 
@@ -49,7 +50,8 @@ BakeInfo infoOf(const Scene& scene, const BakeParams& params)
 
 bool isSame(const VoxelLayer& a, const VoxelLayer& b)
 {
-    return a.direct == b.direct && a.indirect->scalar == b.indirect->scalar && a.byRays == b.byRays;
+    return a.direct == b.direct && a.indirect->scalar == b.indirect->scalar && a.byRays == b.byRays &&
+           a.specular == b.specular;
 }
 
 } // namespace
@@ -79,6 +81,47 @@ private Q_SLOTS:
                      baked.field->lookup(point.position, point.normal, y));
             QVERIFY(x == y);
         }
+    }
+
+    void mirrorsPassLampsLightOn()
+    {
+        SceneBuilder builder("mirror");
+        builder.add("Room", boxMesh({-1, 0, -1}, {1, 2, 1}, Facing::in), builder.addMaterial("grey", glm::vec3(0.5f)));
+        builder.add("Mirror", quadMesh({-0.9f, 0.01f, -0.9f}, {0, 0, 1.8f}, {1.8f, 0, 0}),
+                    builder.addMetal("mirror", glm::vec3(0.9f), 0.0f));
+        builder.addPoint("Lamp", {0.2f, 1, 0}, glm::vec3(100.0f));
+        const auto scene = share(builder.finish());
+        BakeParams p = voxelParams(20, 256);
+        p.voxelPhotons = 200'000;
+        const Baked with = bakeVoxels(scene, p), again = bakeVoxels(scene, p, 5);
+        p.voxelPhotons = 0;
+        const Baked without = bakeVoxels(scene, p);
+        QVERIFY(with.counters.causticPhotons > 10'000);
+        QCOMPARE(without.counters.causticPhotons, std::uint64_t{0});
+        QVERIFY(voxelsOf(without).layers()[0]->specular.empty());
+        QVERIFY(isSame(*voxelsOf(with).layers()[0], *voxelsOf(again).layers()[0]));
+        // either way no lumen is made or lost but by Schlick's share: what the mirror sends arrives somewhere
+        double sums[2] = {}, ceilings[2] = {};
+        for (const bool hasPhotons : {false, true}) {
+            const VoxelField& field = voxelsOf(hasPhotons ? with : without);
+            for (std::size_t e = 0; e < field.surface().leaves->entries.size(); ++e) {
+                const OctreeEntry& entry = field.surface().leaves->entries[e];
+                const auto lumen = static_cast<double>(entry.area * luminance(field.illuminance(e)));
+                sums[hasPhotons] += lumen;
+                if (entry.normal.y < -0.9f && glm::length(entry.centroid - glm::vec3(0.2f, 2.0f, 0.0f)) < 0.3f)
+                    ceilings[hasPhotons] += lumen;
+            }
+        }
+        qInfo("all light %.3f, above the lamp %.3f of what an even floor makes", sums[1] / sums[0],
+              ceilings[1] / ceilings[0]);
+        QVERIFY(std::abs(sums[1] / sums[0] - 1.0) <= 0.05);
+        p.voxelPhotons = 200'000;
+        const auto bytes = bakeBytes(*with.field, infoOf(*scene, p), *scene);
+        QVERIFY(static_cast<bool>(bytes));
+        const Result<BakeFile> file = bakeFromBytes(*bytes, *scene);
+        QVERIFY(static_cast<bool>(file) && file->voxels);
+        QVERIFY(file->voxels->surface().matt == voxelsOf(with).surface().matt);
+        QVERIFY(isSame(*file->voxels->layers()[0], *voxelsOf(with).layers()[0]));
     }
 
     void lampsAddUp()

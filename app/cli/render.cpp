@@ -226,6 +226,14 @@ int render(const Context& context, const RenderCommand& command)
             fmt::format("cuts of {:.0f} clusters on average, in 99 % of the pixels at most {}, {} at most", cuts.mean,
                         cuts.p99, cuts.most));
     }
+    if (view.glossByRays > 0) {
+        log(context.log, LogLevel::info,
+            fmt::format(
+                "{} pixels show metal smoother than roughness .5: its lobe is too narrow for the lights of a cut, "
+                "one ray a sample looks instead",
+                view.glossByRays));
+    }
+    const std::uint64_t gloss[2] = {view.glossByCut, view.glossByRays};
     if (!command.cutMap.empty()) {
         if (const Result<Done> written = writeCutMap(command, cuts); !written) return failWriting(written.error());
     }
@@ -250,7 +258,10 @@ int render(const Context& context, const RenderCommand& command)
                             {"bake_seconds", lighting->bakeSeconds},
                             {"threads", context.workers->threadCount()},
                             {"output", command.output}};
-        if (cuts.pixels > 0) json["cut_sizes"] = {{"mean", cuts.mean}, {"p99", cuts.p99}, {"max", cuts.most}};
+        if (cuts.pixels > 0) {
+            json["cut_sizes"] = {{"mean", cuts.mean}, {"p99", cuts.p99}, {"max", cuts.most}};
+            json["glossy_pixels"] = {{"by_cut", gloss[0]}, {"by_rays", gloss[1]}};
+        }
         fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
     }
     return kDone;

@@ -26,7 +26,13 @@ View continueView(const RayScene& rays, const LightSampler& lights, const Mix& m
         pass.middles = &state.middles;
     }
     View view = job.targetError > 0.0f ? adaptiveView(pass, state.ended) : evenView(pass, state.pixels);
-    if (pass.middles && eye.isByCuts()) view.cutSizes = pass.cutSizes();
+    if (pass.middles && eye.isByCuts()) {
+        view.cutSizes = pass.cutSizes();
+        for (const MiddleLight& middle : state.middles) {
+            view.glossByCut += middle.glossBy == GlossBy::cut;
+            view.glossByRays += middle.glossBy == GlossBy::rays;
+        }
+    }
     if (!byPhotons) return view;
     const ViewPass photons{eye, job, Lens(job), workers, stop, second};
     if (view.isWhole) static_cast<void>(traceCaustics(photons, rays, lamps, state));

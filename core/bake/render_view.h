@@ -42,6 +42,8 @@ struct View {
     std::uint64_t causticRounds = 0; ///< of photons from small lamps by way of mirrors; 0: there are none
     std::vector<int> cutSizes{};     ///< by pixel, clusters and lights in the cut that lit the surface in its middle, 0
                                      ///< where there was none; empty: not by lightcuts
+    std::uint64_t glossByCut = 0, glossByRays = 0; ///< pixels in whose middle a glossy metal got its light from a cut;
+                                                   ///< by rays, its lobe being too narrow for that
 };
 
 /// What a pixel has taken in so far.
@@ -59,12 +61,18 @@ struct PixelLight {
 struct CausticPixel {
     glm::dvec3 sum{0.0}, squares{0.0}; ///< of the rounds' radiances, cd/m2
 };
+/// How a glossy metal gets its indirect light: from the lights of a cut, weighed by its lobe, where that is wide; from
+/// one ray of each sample where it is narrow.
+enum class GlossBy : std::uint8_t { none, cut, rays };
 /// Indirect light on the surface in the middle of a block of pixels, for fields that are costly to ask: all samples of
 /// the block that see this surface take it.
 struct MiddleLight {
     bool isKnown = false, isThere = false; ///< looked for; found
     glm::vec3 position{0.0f}, normal{0.0f}, lux{0.0f};
-    int cutSize = 0; ///< of the lightcut that gave it; 0: none did
+    int cutSize = 0;           ///< of the lightcut that gave it; 0: none did
+    glm::vec3 directLux{0.0f}; ///< straight from glowing surfaces, where a cut brings that along
+    glm::vec3 gloss{0.0f};     ///< cd/m2 towards the eye that a wide glossy lobe sends of the field's light
+    GlossBy glossBy = GlossBy::none;
     /// Whether a place is on the same surface, or on one that bends little.
     [[nodiscard]] bool isFor(glm::vec3 p, glm::vec3 n, float rounding) const
     {
@@ -84,11 +92,13 @@ struct ViewState {
 
 /// Camera rays start at the camera's near plane; outside the scene is black. Seen directly or in mirrors, a surface
 /// shows emission + diffuse / pi * (direct + indirect illuminance) + what its glossy lobe reflects (one sampled ray,
-/// beside exact direct light). By paths, light of small lamps that meets a mirror first comes by photons, averaged over
-/// discs of 1 % of the scene's diagonal and less (CausticLamps; not what a glossy metal shows of it). `field` is needed
-/// for Indirect::field alone. Pixel p's batch b draws from stream (seed, p, b): the same bits on any number of threads.
-/// With a target the number of batches is chosen without bias (CrossedMean). A stop is seen within a row or a batch;
-/// without a target all pixels are then equally fine, with one those that were not begun show a first rough look.
+/// beside exact direct light; by lightcuts their lights instead of the ray where roughness is at least .5). By paths,
+/// light of small lamps that meets a mirror first comes by photons, averaged over discs of 1 % of the scene's diagonal
+/// and less (CausticLamps; not what a glossy metal shows of it). `field` is needed for Indirect::field alone. Of voxels
+/// whose cuts take lamps along (`voxel.lamps`) light straight from glowing surfaces comes by these. Pixel p's batch b
+/// draws from stream (seed, p, b): the same bits on any number of threads. With a target the number of batches is
+/// chosen without bias (CrossedMean). A stop is seen within a row or a batch; without a target all pixels are then
+/// equally fine, with one those that were not begun show a first rough look.
 [[nodiscard]] View renderView(const RayScene& rays, const LightSampler& lights, const Mix& mix,
                               const IndirectField* field, const ViewJob& job, Workers& workers,
                               const std::stop_token& stop, const std::function<void(double fraction)>& progress = {});

@@ -23,6 +23,8 @@ Eye::Eye(const RayScene& rays, const LightSampler& lights, const Mix& mix, const
     : rays_(rays), lights_(lights), mix_(mix), field_(field), cuts_(cutsOf(field)), job_(job),
       directSamples_(share(job.directSamples)), gatherRays_(share(job.gatherRays)), paths_(rays, lights, mix, byPhotons)
 {
+    usesCuts_ = cuts_ && job.indirect == ViewJob::Indirect::field && job.block == 1 && !job.finalGather;
+    joins_ = usesCuts_ && job.withDirect && cuts_->show().lamps > 0;
     if (field_) cached_ = [this](glm::vec3 p, glm::vec3 n, glm::vec3& lux) { return field_->lookupQuick(p, n, lux); };
 }
 
@@ -34,14 +36,22 @@ MiddleLight Eye::middle(glm::vec3 origin, glm::vec3 travel) const
     if (!rays_.intersect(origin, travel, std::numeric_limits<float>::infinity(), hit)) return found;
     found.position = hit.position;
     found.normal = hit.facing();
-    if (surfaceAt(rays_, hit).diffuse == glm::vec3(0.0f)) return found;
+    const Surface surface = surfaceAt(rays_, hit);
+    if (cuts_ && surface.hasSpecular() && !surface.isMirror()) found.glossBy = GlossBy::rays;
+    if (isLitByCut(surface)) {
+        found.gloss = glossByCut(surface, found.position, found.normal, -travel);
+        found.glossBy = GlossBy::cut;
+    } else if (surface.diffuse == glm::vec3(0.0f)) {
+        return found;
+    }
     if (!cuts_) {
         found.isThere = field_->lookup(found.position, found.normal, found.lux);
         return found;
     }
-    const Lightcut cut = cuts_->cutAt(found.position, found.normal);
+    const Lightcut cut = cutAt(found.position, found.normal);
     found.isThere = true;
-    found.lux = cut.illuminance;
+    found.lux = cut.illuminance - cut.fromLamps;
+    found.directLux = cut.fromLamps;
     found.cutSize = cut.nodes;
     return found;
 }
@@ -62,6 +72,12 @@ Radiance Eye::along(glm::vec3 origin, glm::vec3 travel, Rng& rng, const MiddleLi
         seen.indirect += throughput * (isGlossy ? here.direct + here.indirect : here.indirect);
         if (!isGlossy) seen.direct += throughput * here.direct;
         seen.emitted += throughput * here.emitted;
+        const bool isLit = isLitByCut(surface);
+        if (isLit) {
+            const bool isKnown = bounce == 0 && middle && middle->glossBy == GlossBy::cut &&
+                                 middle->isFor(hit.position, n, 8.0f * rays_.offset());
+            seen.indirect += throughput * (isKnown ? middle->gloss : glossByCut(surface, hit.position, n, -travel));
+        }
 
         Scatter next;
         const glm::vec3 u(rng.uniform(), rng.uniform(), rng.uniform());
@@ -72,7 +88,7 @@ Radiance Eye::along(glm::vec3 origin, glm::vec3 travel, Rng& rng, const MiddleLi
             seen.indirect += throughput * next.weight * paths_.radiance(origin, next.away, false, job_.pathDepth, rng);
             break;
         }
-        if (!next.isSpecular) break; // its diffuse part was taken above
+        if (!next.isSpecular || (isLit && !next.isMirror)) break; // its diffuse and wide parts were taken above
         throughput *= next.radianceWeight();
         medium.cross(hit, surface, next);
         isGlossy |= !next.isMirror;
@@ -98,20 +114,47 @@ Radiance Eye::leaving(const Hit& hit, const Surface& surface, glm::vec3 n, glm::
     }
     if (surface.diffuse == glm::vec3(0.0f)) return light;
     const glm::vec3 matt = surface.diffuse / kPi;
-    if (wantsDirect) light.direct += matt * directIlluminance(rays_, lights_, mix_, p, n, directSamples_, rng);
+    const int samples = joins_ ? 0 : directSamples_;
+    if (wantsDirect) light.direct += matt * directIlluminance(rays_, lights_, mix_, p, n, samples, rng);
     if (!field_ || job_.indirect != ViewJob::Indirect::field) return light;
-    light.indirect += matt * indirectLux(p, n, rng, middle);
+    const Lux lux = fieldLux(p, n, rng, middle);
+    light.direct += matt * lux.direct;
+    light.indirect += matt * lux.indirect;
     return light;
 }
 
-glm::vec3 Eye::indirectLux(glm::vec3 p, glm::vec3 n, Rng& rng, const MiddleLight* middle) const
+bool Eye::isLitByCut(const Surface& surface) const
 {
-    if (middle && middle->isFor(p, n, 8.0f * rays_.offset())) return middle->lux;
+    constexpr float kWide = 0.5f; // roughness: lobes are at most 4 times as high as an even one
+    return usesCuts_ && surface.hasSpecular() && surface.roughness >= kWide;
+}
+
+glm::vec3 Eye::glossByCut(const Surface& surface, glm::vec3 p, glm::vec3 n, glm::vec3 toEye) const
+{
+    Surface gloss = surface;
+    gloss.diffuse = glm::vec3(0.0f);
+    // a lobe's top is 1 / (4 alpha^2) of an even lobe's: a cluster may be off by as much more
+    const float alpha = surface.roughness * surface.roughness;
+    glm::vec3 sum(0.0f);
+    for (const CutLight& light : cuts_->lightsAt(p, n, glm::min(1.0f, 4.0f * alpha * alpha)))
+        sum += light.lux * brdf(gloss, n, light.toLight, toEye);
+    return sum;
+}
+
+Lightcut Eye::cutAt(glm::vec3 p, glm::vec3 n) const { return joins_ ? cuts_->joinedAt(p, n) : cuts_->cutAt(p, n); }
+
+Eye::Lux Eye::fieldLux(glm::vec3 p, glm::vec3 n, Rng& rng, const MiddleLight* middle) const
+{
+    if (middle && middle->isFor(p, n, 8.0f * rays_.offset())) return {middle->directLux, middle->lux};
+    if (joins_) {
+        const Lightcut cut = cutAt(p, n);
+        return {cut.fromLamps, cut.illuminance - cut.fromLamps};
+    }
     glm::vec3 lux(0.0f);
     const bool isQuick = middle && job_.block > 1;
     if (job_.finalGather || !(isQuick ? field_->lookupQuick(p, n, lux) : field_->lookup(p, n, lux)))
         lux = gatherIndirect(rays_, lights_, mix_, cached_, p, n, gatherRays_, 1, rng);
-    return lux;
+    return {glm::vec3(0.0f), lux};
 }
 
 Lens::Lens(const ViewJob& job)

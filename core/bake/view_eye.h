@@ -3,6 +3,7 @@
 #include "core/bake/render_view.h"
 #include "core/trace/final_gather.h"
 #include "core/trace/path_walk.h"
+#include "core/voxel/voxel_cuts.h"
 
 /// What the passes over a picture share: rays through pixels, and what comes back along them.
 namespace lightloom {
@@ -34,13 +35,23 @@ private:
     [[nodiscard]] int share(int perPixel) const { return glm::max(1, (perPixel + job_.samples - 1) / job_.samples); }
     [[nodiscard]] Radiance leaving(const Hit& hit, const Surface& surface, glm::vec3 n, glm::vec3 toEye,
                                    bool isStraight, Rng& rng, const MiddleLight* middle) const;
-    [[nodiscard]] glm::vec3 indirectLux(glm::vec3 p, glm::vec3 n, Rng& rng, const MiddleLight* middle) const;
+    struct Lux {
+        glm::vec3 direct, indirect; // `direct`: of glowing surfaces, where cuts bring it
+    };
+    /// Whether the glossy lobe is wide enough to be lit by a cut.
+    [[nodiscard]] bool isLitByCut(const Surface& surface) const;
+    /// cd/m2 towards the eye that such a lobe sends of the field's light.
+    [[nodiscard]] glm::vec3 glossByCut(const Surface& surface, glm::vec3 p, glm::vec3 n, glm::vec3 toEye) const;
+    [[nodiscard]] Lightcut cutAt(glm::vec3 p, glm::vec3 n) const;
+    [[nodiscard]] Lux fieldLux(glm::vec3 p, glm::vec3 n, Rng& rng, const MiddleLight* middle) const;
 
     const RayScene& rays_;
     const LightSampler& lights_;
     const Mix& mix_;
     const IndirectField* field_;
     const VoxelCuts* cuts_; ///< the field, where it is by lightcuts; else null
+    bool usesCuts_ = false; ///< each surface that is met asks for one
+    bool joins_ = false;    ///< its cuts bring glowing surfaces' own light along
     const ViewJob& job_;
     int directSamples_, gatherRays_;
     CachedIndirect cached_;

@@ -8,10 +8,10 @@ namespace {
 
 std::string prefixOf(int depth) { return fmt::format("voxel-lightcuts/d{}/", depth); }
 constexpr const char *kDepth = "lightloom.depth", *kCells = "lightloom.voxels", *kAlbedo = "geometry/albedo",
-                     *kByRays = "/indirect_by_rays";
+                     *kMatt = "geometry/albedo_matt", *kByRays = "/indirect_by_rays", *kSpecular = "/specular";
 
 std::shared_ptr<const VoxelLayer> readLayer(const LeafReader& leaves, const std::string& group, int number,
-                                            bool hasRays)
+                                            bool hasRays, bool hasSpecular)
 {
     const std::size_t entries = leaves.geometry()->entries.size();
     auto indirect = std::make_shared<VdlLayer>();
@@ -22,7 +22,10 @@ std::shared_ptr<const VoxelLayer> readLayer(const LeafReader& leaves, const std:
     leaves.vectors(group + "/indirect", [&](std::size_t n, glm::vec3 v) { indirect->scalar[n] = v; });
     std::vector<glm::vec3> byRays(hasRays ? entries : 0);
     if (hasRays) leaves.vectors(group + kByRays, [&](std::size_t n, glm::vec3 v) { byRays[n] = v; });
-    return std::make_shared<const VoxelLayer>(VoxelLayer{std::move(direct), std::move(indirect), std::move(byRays)});
+    std::vector<glm::vec3> specular(hasSpecular ? entries : 0);
+    if (hasSpecular) leaves.vectors(group + kSpecular, [&](std::size_t n, glm::vec3 v) { specular[n] = v; });
+    return std::make_shared<const VoxelLayer>(
+        VoxelLayer{std::move(direct), std::move(indirect), std::move(byRays), std::move(specular)});
 }
 
 } // namespace
@@ -36,12 +39,15 @@ void storeVoxels(const VoxelField& field, const Scene& scene, VdbFile& file)
     LeafWriter leaves(*surface.leaves, prefixOf(surface.leaves->depth), scene, file);
     leaves.geometry();
     leaves.values(kAlbedo, [&](std::uint32_t n) { return surface.albedo[n]; });
+    if (!surface.matt.empty()) leaves.values(kMatt, [&](std::uint32_t n) { return surface.matt[n]; });
     for (std::size_t g = 0; g < field.layers().size(); ++g) {
         if (!field.layers()[g]) continue;
         const VoxelLayer& layer = *field.layers()[g];
         const std::string group = escaped(scene.groups[g].id);
         leaves.values(group + "/direct", [&](std::uint32_t n) { return layer.direct[n]; });
         leaves.values(group + "/indirect", [&](std::uint32_t n) { return layer.indirect->scalar[n]; });
+        if (!layer.specular.empty())
+            leaves.values(group + kSpecular, [&](std::uint32_t n) { return layer.specular[n]; });
         if (!layer.byRays.empty()) leaves.values(group + kByRays, [&](std::uint32_t n) { return layer.byRays[n]; });
     }
 }
@@ -57,10 +63,16 @@ std::shared_ptr<const VoxelField> readVoxels(const VdbFile& file, const Scene& s
     surface->leaves = leaves.geometry();
     surface->albedo.resize(surface->leaves->entries.size());
     leaves.vectors(kAlbedo, [&](std::size_t n, glm::vec3 v) { surface->albedo[n] = v; });
+    const bool hasMatt = file.contains(leaves.nameOf(kMatt, 0));
+    if (hasMatt) {
+        surface->matt.resize(surface->albedo.size());
+        leaves.vectors(kMatt, [&](std::size_t n, glm::vec3 v) { surface->matt[n] = v; });
+    }
+    const bool hasSpecular = hasMatt && params.voxelPhotons > 0;
     std::vector<std::shared_ptr<const VoxelLayer>> layers;
     for (std::size_t g = 0; g < isOn.size(); ++g) {
         const std::string group = escaped(scene.groups[g].id);
-        layers.push_back(isOn[g] ? readLayer(leaves, group, static_cast<int>(g), hasRays) : nullptr);
+        layers.push_back(isOn[g] ? readLayer(leaves, group, static_cast<int>(g), hasRays, hasSpecular) : nullptr);
     }
     return std::make_shared<const VoxelField>(std::move(surface), std::move(layers), Mix{});
 }

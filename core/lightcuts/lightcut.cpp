@@ -137,6 +137,7 @@ private:
         const LightNode& node = lights.tree->nodes()[cluster.node];
         const glm::vec3 lux = node.flux * cluster.transfer;
         sum_ += glm::dvec3(lux);
+        if (cluster.isLamp) result_.fromLamps += lux;
         if (seen_ && cluster.transfer > 0.0f) {
             const DiscLight& place =
                 cluster.standing.isInView ? lights.tree->mean(cluster.node) : lights.tree->lights()[node.chosen];

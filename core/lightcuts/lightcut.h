@@ -19,6 +19,7 @@ struct LightcutParams {
 /// What the light at one place was made from.
 struct Lightcut {
     glm::vec3 illuminance{0.0f}; ///< lux
+    glm::vec3 fromLamps{0.0f};   ///< lux, the part of it that comes from the tree of lamps
     int nodes = 0;               ///< clusters and lights in the cut
     int shadowRays = 0;
     float largestBound = 0.0f; ///< lux of luminance: no cluster of the cut is off by more

@@ -67,6 +67,10 @@ struct BakeParams {
     int voxelSamples = 4;
     int voxelDirections = 512;
     float voxelGain = 0.005f;
+    VoxelBounces voxelBounces = VoxelBounces::halving;
+    VoxelSmooth voxelSmooth = VoxelSmooth::bounced;
+    float voxelSlivers = 0.05f;
+    int voxelPhotons = 400'000;
     int voxelPartnerMemory = 512;
     int voxelRays = 32;
     VoxelLookup voxelLookup = VoxelLookup::lightcuts;
@@ -74,6 +78,7 @@ struct BakeParams {
     int voxelCut = 2000;
     int voxelNear = 64;
     int voxelLights = 256;
+    int voxelLamps = 0;
     int vdlCount = 4;
     float vdlTolerance = 0.0f;
     VdlForm vdlForm = VdlForm::corrected;
@@ -108,12 +113,12 @@ enum MethodBit : unsigned {
 
 /// One parameter: the only description of it. Command line, panels, files and the manual loop over `kParams`.
 struct ParamSpec {
-    using Field =
-        std::variant<int BakeParams::*, float BakeParams::*, std::uint64_t BakeParams::*, GatherKernel BakeParams::*,
-                     GatherArea BakeParams::*, GatherFit BakeParams::*, Switch BakeParams::*, VdlForm BakeParams::*,
-                     OctreeShow BakeParams::*, OctreeValues BakeParams::*, PhotonLookup BakeParams::*,
-                     GridEstimator BakeParams::*, GridRemap BakeParams::*, GridFilter BakeParams::*,
-                     GridNest BakeParams::*, VoxelLookup BakeParams::*>;
+    using Field = std::variant<int BakeParams::*, float BakeParams::*, std::uint64_t BakeParams::*,
+                               GatherKernel BakeParams::*, GatherArea BakeParams::*, GatherFit BakeParams::*,
+                               Switch BakeParams::*, VdlForm BakeParams::*, OctreeShow BakeParams::*,
+                               OctreeValues BakeParams::*, PhotonLookup BakeParams::*, GridEstimator BakeParams::*,
+                               GridRemap BakeParams::*, GridFilter BakeParams::*, GridNest BakeParams::*,
+                               VoxelLookup BakeParams::*, VoxelBounces BakeParams::*, VoxelSmooth BakeParams::*>;
     std::string_view key;   ///< for ever: files hold it
     std::string_view label; ///< in the window
     std::string_view unit;  ///< "" for a pure number
@@ -198,6 +203,14 @@ inline constexpr std::array kParams{
               "Along which light is carried at the first bounce, each both ways; later bounces take half as many each. Time grows in step."},
     ParamSpec{"voxel.gain", "Least gain of a bounce", "fraction", 0.0001, 1, 0.001, kForVoxels, Stage::fit, &BakeParams::voxelGain, {},
               "Light bounces on until one adds less than this share; what is still missing then is added as a series."},
+    ParamSpec{"voxel.bounces", "Bounces", "", 0, 1, 1, kForVoxels, Stage::fit, &BakeParams::voxelBounces, kVoxelBouncesNames,
+              "halving: each along half the directions of the one before. gauss-seidel: fewer, each from the newest light; wants all partners kept."},
+    ParamSpec{"voxel.smooth", "Smooth over neighbours", "", 0, 3, 1, kForVoxels, Stage::fit, &BakeParams::voxelSmooth, kVoxelSmoothNames,
+              "Averages light over neighbouring voxels that face alike. first: straight from lamps. bounced: all other light. Fainter bands, softer shadows."},
+    ParamSpec{"voxel.slivers", "Slivers joined", "of a face", 0, 1, 0.01, kForVoxels, Stage::fit, &BakeParams::voxelSlivers, {},
+              "Pieces of surface smaller than this share of a voxel's face get their light together with the largest neighbour that faces alike. 0: none."},
+    ParamSpec{"voxel.photons", "Photons by mirrors, glass", "", 0, 1e9, 100'000, kForVoxels, Stage::fit, &BakeParams::voxelPhotons, {},
+              "Per light group, for lamp light that comes by mirrors or through glass; none are shot where there are no such surfaces. 0: that light is missing."},
     ParamSpec{"voxel.rays", "Exact rays per voxel", "", 0, 4096, 16, kForVoxels, Stage::fit, &BakeParams::voxelRays, {},
               "Light of voxels as lights is carried along so many rays of each instead of lines: right in the mean where the scene is finer than voxels. 0: lines."},
     ParamSpec{"voxel.partners", "Partners kept", "MiB", 0, 1'000'000, 128, kForVoxels, Stage::show, &BakeParams::voxelPartnerMemory, {},
@@ -212,6 +225,8 @@ inline constexpr std::array kParams{
               "Short rays of each point for surface that is nearer than about two voxels. More: less noise in corners."},
     ParamSpec{"voxel.lights", "Sample voxels", "", 1, 1'000'000, 64, kForVoxels, Stage::show, &BakeParams::voxelLights, {},
               "Voxels drawn at random for voxel.lookup=samples, with a shadow ray of each point to each."},
+    ParamSpec{"voxel.lamps", "Lamps in the cut", "discs", 0, 100'000, 64, kForVoxels, Stage::show, &BakeParams::voxelLamps, {},
+              "Above 0: pictures take each glowing surface's own light as so many discs into the cut, instead of shadow rays to it alone. 0: apart."},
     ParamSpec{"gather.count", "Photons gathered (K)", "", 1, 100'000, 50, kForGathers, Stage::fit, &BakeParams::gatherCount, {},
               "More photons: less noise, more blur, longer gather."},
     ParamSpec{"gather.radius", "Largest gather radius", "leaf widths", 0, 64, 0.5, kForGathers, Stage::fit, &BakeParams::gatherRadius, {},

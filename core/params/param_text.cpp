@@ -150,6 +150,7 @@ Result<BakeParams> preset(std::string_view name, Method method)
         params.voxelSize = 32;
         params.voxelDirections = 256;
         params.voxelRays = 0;
+        params.voxelPhotons = 100'000;
         params.voxelThreshold = 0.05f;
         params.directSamples = 16;
         params.pixelSamples = 4;
@@ -165,6 +166,7 @@ Result<BakeParams> preset(std::string_view name, Method method)
         params.voxelSize = 128;
         params.voxelDirections = 1024;
         params.voxelRays = 64;
+        params.voxelPhotons = 4'000'000;
         params.voxelThreshold = 0.005f;
         params.voxelCut = 5000;
         params.voxelNear = 128;

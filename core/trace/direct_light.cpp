@@ -34,8 +34,8 @@ void sampleLamps(const RayScene& rays, const LightSampler& lights, const Mix& mi
     for (std::size_t e = 0; e < lights.emitters().size(); ++e) {
         const Emitter& emitter = lights.emitters()[e];
         const glm::vec3 gain = gainOf(mix, emitter.group);
-        if (gain == glm::vec3(0.0f)) continue;
-        const int count = emitter.kind == Emitter::Kind::surface ? glm::max(1, samples) : 1;
+        const int count = emitter.kind == Emitter::Kind::surface ? samples : 1;
+        if (gain == glm::vec3(0.0f) || count < 1) continue;
         SampleSum found;
         const ShiftedPoints points(count, rng);
         for (int i = 0; i < count; ++i) {

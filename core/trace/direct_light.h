@@ -8,8 +8,8 @@ namespace lightloom {
 /// Direct illuminance (lux per channel) on a surface at exactly `p` with unit normal `n`, all groups weighted by `mix`
 /// (empty: all 1). Only shadow rays start a step off `p` along `n`, so `p` may lie on a surface or hang in mid-air.
 /// Punctual lights: one shadow ray, exact. Surfaces: `samples` low-discrepancy shadow rays each, shifted at random by
-/// `rng`. If `squaredError` is given it gets the variance of the result, taken as if the samples were independent,
-/// which they beat.
+/// `rng`; 0: they are left out. If `squaredError` is given it gets the variance of the result, taken as if the samples
+/// were independent, which they beat.
 [[nodiscard]] glm::vec3 directIlluminance(const RayScene& rays, const LightSampler& lights, const Mix& mix, glm::vec3 p,
                                           glm::vec3 n, int samples, Rng& rng, glm::vec3* squaredError = nullptr);
 

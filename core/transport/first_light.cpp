@@ -27,6 +27,24 @@ Surface surfaceOf(const RayScene& rays, const ReachedFacet& facet, glm::vec3 p)
     return surfaceAt(rays, hit);
 }
 
+/// Means over the surface of each entry, by area.
+template<class Of>
+std::vector<glm::vec3> overPieces(const RayScene& rays, const LightReach& reach, const SurfaceVoxels& voxels, Of of)
+{
+    std::vector<glm::vec3> means(voxels.entries.size());
+    for (std::size_t e = 0; e < means.size(); ++e) {
+        glm::vec3 sum(0.0f);
+        float area = 0.0f;
+        for (std::uint32_t i = voxels.firstPiece[e]; i < voxels.firstPiece[e + 1]; ++i) {
+            const CellPiece& piece = voxels.pieces[i];
+            sum += piece.area * of(surfaceOf(rays, reach.facets()[piece.facet], piece.centroid));
+            area += piece.area;
+        }
+        means[e] = sum / area;
+    }
+    return means;
+}
+
 struct PointOnEntry {
     glm::vec3 position, normal;
 };
@@ -108,19 +126,17 @@ private:
 
 std::vector<glm::vec3> entryAlbedos(const RayScene& rays, const LightReach& reach, const SurfaceVoxels& voxels)
 {
-    std::vector<glm::vec3> albedos(voxels.entries.size());
-    for (std::size_t e = 0; e < albedos.size(); ++e) {
-        glm::vec3 sum(0.0f);
-        float area = 0.0f;
-        for (std::uint32_t i = voxels.firstPiece[e]; i < voxels.firstPiece[e + 1]; ++i) {
-            const CellPiece& piece = voxels.pieces[i];
-            const Surface surface = surfaceOf(rays, reach.facets()[piece.facet], piece.centroid);
-            sum += piece.area * evenAlbedo(surface);
-            area += piece.area;
-        }
-        albedos[e] = sum / area;
-    }
-    return albedos;
+    return overPieces(rays, reach, voxels, evenAlbedo);
+}
+
+std::vector<glm::vec3> entryMattAlbedos(const RayScene& rays, const LightReach& reach, const SurfaceVoxels& voxels)
+{
+    bool isSpecular = false;
+    std::vector<glm::vec3> albedos = overPieces(rays, reach, voxels, [&](const Surface& surface) {
+        isSpecular |= surface.isMirror() || surface.glass.share > 0.0f;
+        return mattAlbedo(surface);
+    });
+    return isSpecular ? albedos : std::vector<glm::vec3>{};
 }
 
 EntryValues firstLight(const LightSampler& lights, const LightReach& reach, const SurfaceVoxels& voxels,

@@ -13,17 +13,27 @@ namespace lightloom {
     return glm::min(surface.diffuse + surface.specular, glm::vec3(kLargestAlbedo));
 }
 
+/// The same without what a mirror sends on.
+[[nodiscard]] inline glm::vec3 mattAlbedo(const Surface& surface)
+{
+    return surface.isMirror() ? glm::min(surface.diffuse, glm::vec3(kLargestAlbedo)) : evenAlbedo(surface);
+}
+
 /// What each entry's surface sends on of the light that falls on it, per channel: its diffuse and metallic parts,
 /// textures looked up at the centroids of its pieces, weighted by area. Metals count as if they scattered evenly.
 /// O(pieces).
 [[nodiscard]] std::vector<glm::vec3> entryAlbedos(const RayScene& rays, const LightReach& reach,
                                                   const SurfaceVoxels& voxels);
 
+/// The same without mirrors and glass, whose light photons carry (`specularLight`). Empty: no entry has any.
+[[nodiscard]] std::vector<glm::vec3> entryMattAlbedos(const RayScene& rays, const LightReach& reach,
+                                                      const SurfaceVoxels& voxels);
+
 /// Direct illuminance (lux) of each entry, red, green and blue of one of `groups` (light groups by number) after the
 /// other: shadow rays to their lamps from `samples` points that are spread over its surface (METHODS 5: better than
-/// photons, but for light that comes by mirrors or through glass, which this leaves out). Points of entry e depend on
-/// (seed, e) alone, shadow rays on these and the group: a group gets the same light whatever others are asked for, to
-/// the bit, on any number of threads. Empty: stopped.
+/// photons, but for light that comes by mirrors or through glass, which this leaves out: `specularLight`). Points of
+/// entry e depend on (seed, e) alone, shadow rays on these and the group: a group gets the same light whatever others
+/// are asked for, to the bit, on any number of threads. Empty: stopped.
 [[nodiscard]] EntryValues firstLight(const LightSampler& lights, const LightReach& reach, const SurfaceVoxels& voxels,
                                      std::span<const int> groups, int samples, std::uint64_t seed, Workers& workers,
                                      const std::stop_token& stop,

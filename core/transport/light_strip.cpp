@@ -22,17 +22,18 @@ std::size_t LightStrip::bytesFor(std::size_t entries)
     return (entries + 1) * (3 * ChannelLines::kMostWidth * sizeof(ChannelLines::Four) + sizeof(float));
 }
 
-void LightStrip::beginBounce(std::size_t directions)
+void LightStrip::beginBounce(std::size_t directions, bool looksForBright)
 {
     std::ranges::fill(arriving_.fours, ChannelLines::Four{});
     std::ranges::fill(cosines_, 0.0f);
-    for (std::size_t g = 0; g < groups_.size(); ++g) takeBright(g, directions);
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+        groups_[g].bright.clear();
+        if (looksForBright && !groups_[g].isDone) takeBright(g, directions);
+    }
 }
 
 void LightStrip::takeBright(std::size_t group, std::size_t directions)
 {
-    groups_[group].bright.clear();
-    if (groups_[group].isDone) return;
     const std::size_t first = 3 * group, count = std::min<std::size_t>(3, channels_ - first);
     std::vector<float> lumen(entries_.size());
     for (std::size_t e = 0; e < entries_.size(); ++e) {
@@ -72,6 +73,16 @@ std::vector<double> LightStrip::lumenArrived() const
         for (std::size_t c = 0; c < channels_; ++c) lumen[c / 3] += static_cast<double>(lux[c] * entries_[e].area);
     }
     return lumen;
+}
+
+void LightStrip::passOn(std::size_t first, std::size_t end, bool isFirst)
+{
+    for (std::size_t e = first; e < end; ++e) {
+        const float* lux = arriving_.line(e);
+        float* leaving = leaving_.line(e);
+        for (std::size_t c = 0; c < channels_; ++c)
+            leaving[c] = lux[c] * albedo_[e][static_cast<int>(c % 3)] + (isFirst ? leaving[c] : 0.0f);
+    }
 }
 
 bool LightStrip::endBounce(float leastGain, bool isLast)

@@ -18,8 +18,9 @@ public:
     /// The most that one takes.
     [[nodiscard]] static std::size_t bytesFor(std::size_t entries);
 
-    /// Before what `directions` bring is gathered: what few entries send by far the most of goes another way.
-    void beginBounce(std::size_t directions);
+    /// Before what `directions` bring is gathered. `looksForBright`: what few entries send by far the most of goes
+    /// another way.
+    void beginBounce(std::size_t directions, bool looksForBright);
     /// Adds what arrives at entries [first, end) along the directions of a block. Several threads may call it for
     /// entries of their own.
     void gather(const PartnerBlock& block, const BlockDirections& directions, std::size_t first, std::size_t end)
@@ -29,6 +30,9 @@ public:
     /// Once all is gathered: what arrives at entries [first, end), and from bright entries straight by shadow rays.
     /// Several threads may call it for entries of their own.
     void arrive(const RayScene& rays, const SurfaceVoxels& voxels, std::size_t first, std::size_t end);
+    /// For bounces that carry on at once what has arrived at entries [first, end). At the first one what left them
+    /// before is still to be met by others; later ones have carried that on.
+    void passOn(std::size_t first, std::size_t end, bool isFirst);
     /// Adds to the result what has arrived, and reflects it. A group ends with a bounce that adds no more than
     /// `leastGain` of the sum, or is the last; what would still come is added as a geometric series. True: all have.
     bool endBounce(float leastGain, bool isLast);

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/transport/surface_voxels.h"
+#include "core/base/rng.h"
 #include "core/base/sampling.h"
 #include <algorithm>
 #include <bit>
 #include <cassert>
+#include <unordered_map>
 
 namespace lightloom {
 namespace {
@@ -29,6 +31,21 @@ public:
         }
     }
 
+    /// A voxel as another surface has it; `numberOf` its facets here.
+    void copy(const SurfaceVoxels& from, std::size_t voxel, std::span<const std::uint32_t> numberOf)
+    {
+        out_.voxels.push_back(from.voxels[voxel]);
+        out_.firstEntry.push_back(static_cast<std::uint32_t>(out_.entries.size()));
+        for (std::uint32_t e = from.firstEntry[voxel]; e < from.firstEntry[voxel + 1]; ++e) {
+            out_.entries.push_back(from.entries[e]);
+            out_.firstPiece.push_back(static_cast<std::uint32_t>(out_.pieces.size()));
+            for (std::uint32_t i = from.firstPiece[e]; i < from.firstPiece[e + 1]; ++i) {
+                out_.pieces.push_back(from.pieces[i]);
+                out_.pieces.back().facet = numberOf[from.pieces[i].facet];
+            }
+        }
+    }
+
     void finish()
     {
         out_.firstEntry.push_back(static_cast<std::uint32_t>(out_.entries.size()));
@@ -51,6 +68,58 @@ ReachedFacet movedOut(ReachedFacet f, float cell)
     const glm::vec3 way = kMovedOut * cell * f.normal;
     f.a += way, f.b += way, f.c += way;
     return f;
+}
+
+constexpr std::uint32_t kGone = 0xFFFFFFFFu;
+
+/// Numbers in `now` of the facets of `before` that are there still, kGone for others: rising, so that what is sorted by
+/// one is sorted by the other. `added`: the rest of `now`.
+std::vector<std::uint32_t> facetsNow(std::span<const ReachedFacet> before, std::span<const ReachedFacet> now,
+                                     std::vector<std::uint32_t>& added)
+{
+    struct Place {
+        glm::vec3 a, b, c, normal;
+        bool operator==(const Place&) const = default;
+    };
+    struct Hash {
+        std::size_t operator()(const Place& place) const
+        {
+            std::uint64_t hash = 0;
+            for (const glm::vec3 v : {place.a, place.b, place.c, place.normal})
+                for (int axis = 0; axis < 3; ++axis)
+                    hash = mixBits(hash ^ std::bit_cast<std::uint32_t>(v[axis] + 0.0f)); // -0 equals 0
+            return hash;
+        }
+    };
+    std::unordered_map<Place, std::vector<std::uint32_t>, Hash> where; // numbers before, the largest first
+    where.reserve(before.size());
+    for (std::size_t f = before.size(); f-- > 0;)
+        where[{before[f].a, before[f].b, before[f].c, before[f].normal}].push_back(static_cast<std::uint32_t>(f));
+    std::vector<std::uint32_t> numbers(before.size(), kGone);
+    std::uint32_t next = 0;
+    for (std::uint32_t f = 0; f < now.size(); ++f) {
+        const auto found = where.find({now[f].a, now[f].b, now[f].c, now[f].normal});
+        std::vector<std::uint32_t>* olds = found == where.end() ? nullptr : &found->second;
+        while (olds && !olds->empty() && olds->back() < next) olds->pop_back();
+        if (!olds || olds->empty()) {
+            added.push_back(f);
+            continue;
+        }
+        next = olds->back() + 1;
+        numbers[olds->back()] = f;
+    }
+    return numbers;
+}
+
+/// Pieces of those facets of `reach`, by their numbers there. Not complete: stopped.
+CellPieces cutUp(const LightReach& reach, std::span<const std::uint32_t> facets, const CellLattice& lattice,
+                 Workers& workers, const std::stop_token& stop)
+{
+    std::vector<ReachedFacet> moved;
+    for (const std::uint32_t f : facets) moved.push_back(movedOut(reach.facets()[f], lattice.cellSize()));
+    CellPieces cut = clipToCells(moved, lattice, workers, stop);
+    for (CellPiece& piece : cut.pieces) piece.facet = facets[piece.facet];
+    return cut;
 }
 
 glm::dvec3 areaOf(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c) { return glm::cross(b - a, c - a); } // twice a triangle's
@@ -144,6 +213,59 @@ std::shared_ptr<const SurfaceVoxels> voxelise(const Bounds& bounds, const LightR
         builder.add(pieces.subspan(first, end - first));
         if (out->voxels.size() % 65'536 == 0 && stop.stop_requested()) return nullptr;
     }
+    builder.finish();
+    return out;
+}
+
+std::shared_ptr<const SurfaceVoxels> revoxelise(const SurfaceVoxels& before, const LightReach& reachBefore,
+                                                const Bounds& bounds, const LightReach& reach, int cells, float shift,
+                                                Workers& workers, const std::stop_token& stop, std::size_t* clipped)
+{
+    const auto out = std::make_shared<SurfaceVoxels>();
+    out->lattice = voxelLattice(bounds, cells, shift);
+    out->cells = cells;
+    if (clipped) *clipped = reach.facets().size();
+    if (before.cells != cells || before.lattice.lowest != out->lattice.lowest ||
+        before.lattice.rootSize != out->lattice.rootSize)
+        return voxelise(bounds, reach, cells, shift, workers, stop);
+
+    std::vector<std::uint32_t> added;
+    const std::vector<std::uint32_t> numberOf = facetsNow(reachBefore.facets(), reach.facets(), added);
+    if (clipped) *clipped = added.size();
+    const CellPieces cut = cutUp(reach, added, out->lattice, workers, stop);
+    if (!cut.complete) return nullptr;
+    VoxelBuilder builder(reach.facets(), *out);
+    std::vector<CellPiece> mixed;
+    auto next = cut.pieces.begin(); // of what has come
+    const auto addUpTo = [&](std::uint64_t code) {
+        while (next != cut.pieces.end() && next->cell < code) {
+            const auto first = next;
+            while (next != cut.pieces.end() && next->cell == first->cell) ++next;
+            builder.add({first, next});
+        }
+    };
+    for (std::size_t v = 0; v < before.voxels.size(); ++v) {
+        if (v % 65'536 == 0 && stop.stop_requested()) return nullptr;
+        const std::uint64_t code = mortonCode(glm::uvec3(before.voxels[v]));
+        addUpTo(code);
+        const std::span<const CellPiece> pieces = before.piecesOf(v);
+        const bool isWhole =
+            std::ranges::none_of(pieces, [&](const CellPiece& p) { return numberOf[p.facet] == kGone; });
+        if (isWhole && (next == cut.pieces.end() || next->cell != code)) {
+            builder.copy(before, v, numberOf);
+            continue;
+        }
+        mixed.clear();
+        for (const CellPiece& piece : pieces) {
+            if (numberOf[piece.facet] == kGone) continue;
+            mixed.push_back(piece);
+            mixed.back().facet = numberOf[piece.facet];
+        }
+        for (; next != cut.pieces.end() && next->cell == code; ++next) mixed.push_back(*next);
+        std::ranges::sort(mixed, {}, &CellPiece::facet);
+        if (!mixed.empty()) builder.add(mixed);
+    }
+    addUpTo(~std::uint64_t{0});
     builder.finish();
     return out;
 }

@@ -30,6 +30,12 @@ struct SurfaceVoxels {
     /// Of that voxel, the entry that faces `normal` most; kNoEntry if none faces it at all.
     [[nodiscard]] std::uint32_t entryAt(glm::vec3 p, glm::vec3 normal) const;
     static constexpr std::uint32_t kNoEntry = 0xFFFFFFFFu;
+    /// Of voxel `v`, all its entries' pieces.
+    [[nodiscard]] std::span<const CellPiece> piecesOf(std::size_t v) const
+    {
+        const std::uint32_t first = firstPiece[firstEntry[v]];
+        return std::span(pieces).subspan(first, firstPiece[firstEntry[v + 1]] - first);
+    }
     [[nodiscard]] float cellSize() const { return lattice.cellSize(); }
     [[nodiscard]] std::size_t memoryBytes() const;
 };
@@ -38,6 +44,14 @@ struct SurfaceVoxels {
 /// kMostVoxels. The same on any number of threads. Null: stopped.
 [[nodiscard]] std::shared_ptr<const SurfaceVoxels> voxelise(const Bounds& bounds, const LightReach& reach, int cells,
                                                             float shift, Workers& workers, const std::stop_token& stop);
+
+/// The same, to the bit, as `voxelise` of a scene that was edited, from the voxels `before` of its surface
+/// `reachBefore`: surface that has come, gone or moved is cut up, and cells that it touches are made anew; all else is
+/// copied. Finds by itself what differs, light that now reaches further included. `clipped`, where given: how many
+/// facets were cut up. Where the scene's bound is another one everything is made anew.
+[[nodiscard]] std::shared_ptr<const SurfaceVoxels>
+revoxelise(const SurfaceVoxels& before, const LightReach& reachBefore, const Bounds& bounds, const LightReach& reach,
+           int cells, float shift, Workers& workers, const std::stop_token& stop, std::size_t* clipped = nullptr);
 
 /// The papers' form: one entry per voxel, with the mean normal of its surface (of two sheets back to back, the larger
 /// one's). A wall thinner than a voxel leaks in it.

@@ -8,7 +8,6 @@
 namespace lightloom {
 namespace {
 
-constexpr std::size_t kLeastDirections = 64;
 constexpr std::size_t kMostBytes = std::size_t(256) << 20; ///< of strips that bounce together, and of blocks walked
 
 /// Carries the light of strips from entry to entry.
@@ -20,6 +19,7 @@ public:
           walker_(rays, voxels, orders, directions_), workers_(workers), stop_(stop)
     {
         assert(!stored || stored->entries() == voxels.entries.size());
+        assert(params.order == VoxelBounces::halving || (stored && stored->directions() >= params.directions));
     }
 
     /// How many strips bounce together: one, where no line is walked.
@@ -33,22 +33,45 @@ public:
     template<class Done>
     [[nodiscard]] int bounce(std::span<LightStrip> strips, Done done)
     {
+        const bool inTurn = params_.order == VoxelBounces::gaussSeidel;
+        const std::size_t least = std::min(directions_.size(), static_cast<std::size_t>(params_.leastDirections));
         std::size_t directions = directions_.size();
         for (int bounce = 1;; ++bounce) {
-            for (LightStrip& strip : strips) strip.beginBounce(directions);
-            if (!gather(strips, directions) || !arrive(strips)) return 0;
+            for (LightStrip& strip : strips) strip.beginBounce(directions, !inTurn || bounce == 1);
+            if (!(inTurn ? carryInTurn(strips, directions, bounce == 1) : carry(strips, directions, all()))) return 0;
             bool areDone = true;
             for (LightStrip& strip : strips)
                 areDone &= strip.endBounce(params_.leastGain, bounce >= params_.mostBounces);
             if (areDone) return bounce;
             done(1.0 - std::ldexp(1.0, -bounce)); // each costs half of the one before
-            directions = std::min(directions, std::max(kLeastDirections, directions / 2));
+            directions = std::max(least, directions / 2);
         }
     }
 
 private:
-    /// What arrives along the first `count` directions. False: stopped.
-    [[nodiscard]] bool gather(std::span<LightStrip> strips, std::size_t count)
+    struct Part { // of the entries: from the first to before the end
+        std::size_t first, end;
+    };
+    [[nodiscard]] Part all() const { return {0, voxels_.entries.size()}; }
+
+    /// What arrives at a part of the entries along the first `count` directions. False: stopped.
+    [[nodiscard]] bool carry(std::span<LightStrip> strips, std::size_t count, Part part)
+    {
+        return gather(strips, count, part) && arrive(strips, part);
+    }
+    /// One part after the other, each from what those before it have taken in by then. False: stopped.
+    [[nodiscard]] bool carryInTurn(std::span<LightStrip> strips, std::size_t count, bool isFirst)
+    {
+        const std::size_t entries = voxels_.entries.size();
+        for (std::size_t p = 0; p < kBounceParts; ++p) {
+            const Part part{entries * p / kBounceParts, entries * (p + 1) / kBounceParts};
+            if (!carry(strips, count, part)) return false;
+            for (LightStrip& strip : strips) strip.passOn(part.first, part.end, isFirst);
+        }
+        return true;
+    }
+
+    [[nodiscard]] bool gather(std::span<LightStrip> strips, std::size_t count, Part part)
     {
         const std::span<const LineDirection> set = std::span(directions_).first(count);
         const std::size_t blocks = (count + PartnerBlock::kDirections - 1) / PartnerBlock::kDirections;
@@ -61,7 +84,7 @@ private:
                 if (!walk(first, end, walked)) return false;
                 for (const PartnerBlock& block : walked) rows.push_back(&block);
             }
-            if (!gatherBlocks(strips, set, first, rows)) return false;
+            if (!gatherBlocks(strips, set, first, rows, part)) return false;
         }
         return true;
     }
@@ -81,29 +104,29 @@ private:
         return workers_.run(end - first, stop_, [&](std::size_t i) { walked[i] = walker_.walk(first + i); });
     }
     [[nodiscard]] bool gatherBlocks(std::span<LightStrip> strips, std::span<const LineDirection> set, std::size_t first,
-                                    std::span<const PartnerBlock* const> blocks)
+                                    std::span<const PartnerBlock* const> blocks, Part part)
     {
         std::vector<BlockDirections> directions;
         for (std::size_t b = 0; b < blocks.size(); ++b) directions.emplace_back(set, first + b);
-        return forEntries(strips, [&](LightStrip& strip, std::size_t from, std::size_t to) {
+        return forEntries(strips, part, [&](LightStrip& strip, std::size_t from, std::size_t to) {
             for (std::size_t b = 0; b < blocks.size(); ++b) strip.gather(*blocks[b], directions[b], from, to);
         });
     }
-    [[nodiscard]] bool arrive(std::span<LightStrip> strips)
+    [[nodiscard]] bool arrive(std::span<LightStrip> strips, Part part)
     {
-        return forEntries(strips, [&](LightStrip& strip, std::size_t from, std::size_t to) {
+        return forEntries(strips, part, [&](LightStrip& strip, std::size_t from, std::size_t to) {
             strip.arrive(rays_, voxels_, from, to);
         });
     }
-    /// Calls `body` for some entries of a strip after the other. False: stopped.
+    /// Calls `body` for some entries of a part of a strip after the other. False: stopped.
     template<class Body>
-    [[nodiscard]] bool forEntries(std::span<LightStrip> strips, const Body& body)
+    [[nodiscard]] bool forEntries(std::span<LightStrip> strips, Part part, const Body& body)
     {
-        constexpr std::size_t kTogether = 1024; // their sums stay in the cache
-        const std::size_t entries = voxels_.entries.size(), parts = (entries + kTogether - 1) / kTogether;
-        return workers_.run(parts * strips.size(), stop_, [&](std::size_t job) {
-            const std::size_t from = job % parts * kTogether;
-            body(strips[job / parts], from, std::min(entries, from + kTogether));
+        const std::size_t together = params_.order == VoxelBounces::gaussSeidel ? 256 : 1024; // sums stay in the cache
+        const std::size_t jobs = (part.end - part.first + together - 1) / together;
+        return workers_.run(jobs * strips.size(), stop_, [&](std::size_t job) {
+            const std::size_t from = part.first + job % jobs * together;
+            body(strips[job / jobs], from, std::min(part.end, from + together));
         });
     }
 

@@ -11,6 +11,7 @@ struct VoxelShow {
     VoxelLookup lookup = VoxelLookup::lightcuts;
     LightcutParams cuts;
     int samples = 256; ///< voxels drawn at random
+    int lamps = 0;     ///< discs of each glowing surface in `joinedAt`; 0: none
     bool operator==(const VoxelShow&) const = default;
 };
 [[nodiscard]] VoxelShow voxelShow(const BakeParams& params);
@@ -33,21 +34,30 @@ public:
         return field_->lookup(p, n, lux);
     }
 
-    /// The cut at a place, whatever `show` says.
+    /// The cut at a place, whatever `show` says, and the lamps' light that comes there by mirrors and glass: that of
+    /// the voxels around.
     [[nodiscard]] Lightcut cutAt(glm::vec3 p, glm::vec3 n) const;
+    /// The light's parts there by direction, for a surface that weighs them by a lobe: each within `share` of the
+    /// threshold. What comes by mirrors and glass has no direction and is left out.
+    [[nodiscard]] std::vector<CutLight> lightsAt(glm::vec3 p, glm::vec3 n, float share) const;
+    /// A cut through the trees of voxels and of glowing surfaces, joined at a root: all light but that straight from
+    /// point, spot and directional lights, each cluster within a share of it all. Where `show` has lamps.
+    [[nodiscard]] Lightcut joinedAt(glm::vec3 p, glm::vec3 n) const;
     [[nodiscard]] const VoxelField& field() const { return *field_; }
     [[nodiscard]] const VoxelShow& show() const { return show_; }
 
 private:
     VoxelCuts(const VoxelCuts& other, std::shared_ptr<const VoxelField> field);
     void light();
+    [[nodiscard]] glm::vec3 specularAt(glm::vec3 p, glm::vec3 n) const;
 
     std::shared_ptr<const VoxelField> field_;
     std::shared_ptr<const LightSampler> lights_;
     VoxelShow show_;
     std::shared_ptr<const LightTree> tree_; ///< of all entries, under the field's mix
-    std::unique_ptr<const Lightcuts> cuts_;
+    std::unique_ptr<const Lightcuts> cuts_, joined_;
     std::unique_ptr<const LightSamples> samples_;
+    std::unique_ptr<const LightOctree> specular_; ///< null: no lamp's light comes by mirrors or glass
 };
 
 } // namespace lightloom

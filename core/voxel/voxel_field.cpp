@@ -20,31 +20,40 @@ std::shared_ptr<const IndirectField> VoxelField::withMix(Mix mix) const
 
 std::size_t VoxelField::memoryBytes() const
 {
-    std::size_t sum = octree_->memoryBytes() + surface_->albedo.size() * sizeof(glm::vec3);
+    std::size_t sum = octree_->memoryBytes() + (surface_->albedo.size() + surface_->matt.size()) * sizeof(glm::vec3);
     for (const auto& layer : layers_)
-        sum += layer ? (layer->direct.size() + layer->byRays.size()) * sizeof(glm::vec3) : 0;
+        sum += layer ? (layer->direct.size() + layer->byRays.size() + layer->specular.size()) * sizeof(glm::vec3) : 0;
     return sum;
 }
 
-glm::vec3 VoxelField::direct(std::size_t entry) const
+glm::vec3 VoxelField::mixed(std::vector<glm::vec3> VoxelLayer::*part, std::size_t entry) const
 {
     glm::vec3 sum(0.0f);
     for (std::size_t g = 0; g < layers_.size(); ++g) {
-        if (layers_[g]) sum += gainOf(mix(), static_cast<int>(g)) * layers_[g]->direct[entry];
+        if (layers_[g] && !((*layers_[g]).*part).empty())
+            sum += gainOf(mix(), static_cast<int>(g)) * ((*layers_[g]).*part)[entry];
     }
     return sum;
 }
 
+glm::vec3 VoxelField::direct(std::size_t entry) const { return mixed(&VoxelLayer::direct, entry); }
+
+/// Where photons have followed what mirrors and glass do with lamps' light, entries send on the rest of it alone.
 glm::vec3 VoxelField::exitance(std::size_t entry) const
 {
-    glm::vec3 lux = direct(entry);
+    glm::vec3 sum(0.0f);
     for (std::size_t g = 0; g < layers_.size(); ++g) {
         if (!layers_[g]) continue;
         const VoxelLayer& layer = *layers_[g];
         const glm::vec3 indirect = layer.byRays.empty() ? layer.indirect->scalar[entry] : layer.byRays[entry];
-        lux += gainOf(mix(), static_cast<int>(g)) * indirect;
+        glm::vec3 sent = surface_->albedo[entry] * (layer.direct[entry] + indirect);
+        if (!layer.specular.empty()) {
+            const glm::vec3 followed = layer.direct[entry] + layer.specular[entry];
+            sent -= (surface_->albedo[entry] - surface_->matt[entry]) * followed;
+        }
+        sum += gainOf(mix(), static_cast<int>(g)) * sent;
     }
-    return surface_->albedo[entry] * lux;
+    return sum;
 }
 
 glm::vec3 VoxelField::illuminance(std::size_t entry) const { return direct(entry) + octree_->mixedColour({entry, 0}); }

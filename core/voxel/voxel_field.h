@@ -9,6 +9,7 @@ struct VoxelSurface {
     int cells = 0;                                ///< along the longest side of the scene
     std::shared_ptr<const OctreeGeometry> leaves; ///< voxels, each with one entry per orientation
     std::vector<glm::vec3> albedo;                ///< of each entry, per channel, 0 to 1
+    std::vector<glm::vec3> matt; ///< the same without mirrors; empty: there are neither these nor glass
 };
 
 /// Light of one group on the entries of a surface, at baked intensity, lux.
@@ -18,6 +19,8 @@ struct VoxelLayer {
         indirect; ///< `scalar` alone is filled: what arrives by way of at least one other surface, along lines
     std::vector<glm::vec3> byRays; ///< the same along a few exact rays of each entry: noisy alone, right in the mean of
                                    ///< many (RayPartners); empty: there is none
+    std::vector<glm::vec3> specular; ///< the part of both that comes from lamps by mirrors and glass alone; empty:
+                                     ///< there is none, or it is missing
 };
 
 /// Multi-bounce light on surface voxels (Chatelier and Malgouyres 2006): one illuminance per orientation of the surface
@@ -39,6 +42,8 @@ public:
     [[nodiscard]] const VoxelSurface& surface() const { return *surface_; }
     [[nodiscard]] const std::vector<std::shared_ptr<const VoxelLayer>>& layers() const { return layers_; }
     [[nodiscard]] const Mix& mix() const { return octree_->mix(); }
+    /// A part of each layer by entry, under the mix, lux; 0 where a layer has none.
+    [[nodiscard]] glm::vec3 mixed(std::vector<glm::vec3> VoxelLayer::*part, std::size_t entry) const;
     /// Illuminance of an entry under the mix, lux: straight from the lamps, and all.
     [[nodiscard]] glm::vec3 direct(std::size_t entry) const;
     [[nodiscard]] glm::vec3 illuminance(std::size_t entry) const;

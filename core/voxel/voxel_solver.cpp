@@ -5,14 +5,33 @@
 #include "core/params/param_text.h"
 #include "core/photonmap/photon_products.h"
 #include "core/trace/cell_clip.h"
+#include "core/transport/entry_means.h"
+#include "core/transport/specular_light.h"
 #include <algorithm>
 #include <fmt/format.h>
+#include <limits>
 
 namespace lightloom {
 namespace {
 
 // of a bake's time, up to the end of each
 constexpr double kVoxelsUntil = 0.1, kPartnersUntil = 0.5, kFirstUntil = 0.8;
+
+/// Entries whose light differs by more are not averaged (docs/measurements.md: .25 and .12 leave more bands, without a
+/// limit atrium's spots of sun run).
+constexpr float kSameLight = 0.5f, kAnyLight = std::numeric_limits<float>::infinity();
+
+/// The voxels that were made last, with what they were made of.
+struct VoxelsBefore {
+    std::shared_ptr<const SurfaceVoxels> voxels;
+    std::shared_ptr<const LightReach> reach;
+};
+
+EntryValues sum(EntryValues a, const EntryValues& b)
+{
+    for (std::size_t i = 0; i < a.values.size(); ++i) a.values[i] += b.values[i];
+    return a;
+}
 
 using Layers = std::vector<std::shared_ptr<const VoxelLayer>>;
 
@@ -78,6 +97,8 @@ private:
     [[nodiscard]] Result<std::shared_ptr<const VoxelGeometry>> geometry()
     {
         const std::string key = geometryKey();
+        const std::string place = fmt::format("voxels {} shift {}", params_.voxelSize, params_.gridShift);
+        const auto before = products_.find<VoxelsBefore>(place);
         if (auto kept = products_.find<VoxelGeometry>(key)) return kept;
         const LightReach& reach = *scene_.reach;
         const Bounds& bounds = job_.scene->bounds;
@@ -85,9 +106,13 @@ private:
             return fits.error();
         const StageClock clock("voxels", control_);
         const auto voxels =
-            voxelise(bounds, reach, params_.voxelSize, params_.gridShift, control_.workers(), control_.stop());
+            before ? revoxelise(*before->voxels, *before->reach, bounds, reach, params_.voxelSize, params_.gridShift,
+                                control_.workers(), control_.stop())
+                   : voxelise(bounds, reach, params_.voxelSize, params_.gridShift, control_.workers(), control_.stop());
         if (!voxels) return cancelled();
-        auto surface = voxelSurface(*voxels, entryAlbedos(*scene_.rays, reach, *voxels));
+        products_.keep<VoxelsBefore>(place, std::make_shared<const VoxelsBefore>(VoxelsBefore{voxels, scene_.reach}));
+        auto surface = voxelSurface(*voxels, entryAlbedos(*scene_.rays, reach, *voxels),
+                                    entryMattAlbedos(*scene_.rays, reach, *voxels));
         auto made =
             std::make_shared<const VoxelGeometry>(VoxelGeometry{voxels, VoxelOrders(*voxels), std::move(surface)});
         products_.keep<VoxelGeometry>(key, made, clock.stop());
@@ -119,6 +144,67 @@ private:
                                        control_.workers(), control_.stop());
         if (made) products_.keep<RayPartners>(key, made, clock.stop());
         return made;
+    }
+
+    /// Lamps' light by mirrors and glass, over neighbours: few photons meet one entry. Empty: stopped.
+    [[nodiscard]] EntryValues specular(const VoxelGeometry& geometry, const std::vector<int>& groups)
+    {
+        const StageClock clock("photons by mirrors and glass", control_);
+        const auto photons = static_cast<std::uint64_t>(params_.voxelPhotons);
+        std::uint64_t caught = 0;
+        EntryValues lux = specularLight(*scene_.lights, *geometry.voxels, groups, photons, params_.seed,
+                                        control_.workers(), control_.stop(), &caught);
+        products_.counters.photonsShot += photons * groups.size();
+        products_.counters.causticPhotons += caught;
+        lux = evened(geometry, std::move(lux), true, kAnyLight);
+        addCost(products_.counters.stages, clock.stop());
+        return lux;
+    }
+
+    /// Values with what `voxel.slivers` joins, and over neighbours where `isSmooth`. Empty: stopped.
+    [[nodiscard]] EntryValues evened(const VoxelGeometry& geometry, EntryValues values, bool isSmooth,
+                                     float within = kSameLight)
+    {
+        const SurfaceVoxels& voxels = *geometry.voxels;
+        if (params_.voxelSlivers > 0.0f && !values.values.empty()) {
+            const auto slivers = means(fmt::format("slivers {}", params_.voxelSlivers), [&] {
+                return sliverMeans(voxels, params_.voxelSlivers, control_.workers(), control_.stop());
+            });
+            values = slivers ? slivers->of(values, kAnyLight, control_.workers(), control_.stop()) : EntryValues{};
+        }
+        if (isSmooth && !values.values.empty()) {
+            const auto neighbours =
+                means("neighbours", [&] { return neighbourMeans(voxels, control_.workers(), control_.stop()); });
+            values = neighbours ? neighbours->of(values, within, control_.workers(), control_.stop()) : EntryValues{};
+        }
+        return values;
+    }
+    /// Null: stopped.
+    template<class Make>
+    [[nodiscard]] std::shared_ptr<const EntryMeans> means(const std::string& name, Make make)
+    {
+        const std::string key = geometryKey() + name;
+        auto kept = products_.find<EntryMeans>(key);
+        if (kept) return kept;
+        kept = make();
+        if (kept) products_.keep<EntryMeans>(key, kept);
+        return kept;
+    }
+    [[nodiscard]] bool smooths(VoxelSmooth what) const
+    {
+        return params_.voxelSmooth == what || params_.voxelSmooth == VoxelSmooth::both;
+    }
+
+    /// Gauss-Seidel goes over the surface in parts, which no walk of lines does.
+    [[nodiscard]] Result<Done> checkPartners(std::size_t entries) const
+    {
+        const std::size_t bytes = PartnerTable::bytesFor(entries, params_.voxelDirections);
+        const auto most = static_cast<std::size_t>(params_.voxelPartnerMemory) << 20;
+        if (params_.voxelBounces == VoxelBounces::halving || bytes <= most) return Done{};
+        return Error{Error::Kind::badInput,
+                     fmt::format("voxel.bounces=gauss-seidel keeps all partners, {} MiB in this scene, "
+                                 "voxel.partners={} allows less; raise that or use halving",
+                                 (bytes >> 20) + 1, params_.voxelPartnerMemory)};
     }
 
     [[nodiscard]] std::string layerKey(int group) const
@@ -153,34 +239,53 @@ private:
         const SurfaceVoxels& voxels = *geometry.voxels;
         const std::vector<glm::vec3>& albedo = geometry.surface->albedo;
         const double channels = 3.0 * static_cast<double>(missing.size());
-        const double bytes = static_cast<double>(voxels.entries.size()) * channels * 5.0 * sizeof(float);
+        const double bytes = static_cast<double>(voxels.entries.size()) * channels * 7.0 * sizeof(float);
         if (const Result<Done> fits = checkMemory(bytes, params_); !fits) return fits;
 
+        if (const Result<Done> fits = checkPartners(voxels.entries.size()); !fits) return fits;
         const auto partners = this->partners(geometry);
         if (!partners) return cancelled();
         const StageClock firstClock("first light", control_);
-        const EntryValues first =
+        EntryValues first =
             firstLight(*scene_.lights, *scene_.reach, voxels, missing, params_.voxelSamples, params_.seed,
                        control_.workers(), control_.stop(), within(Stage::fit, kPartnersUntil, kFirstUntil));
+        first = evened(geometry, std::move(first), smooths(VoxelSmooth::first));
         if (first.values.empty() && !voxels.entries.empty()) return cancelled();
         addCost(products_.counters.stages, firstClock.stop());
-        const EntryValues leaving = reflected(first, albedo);
+        EntryValues specular;
+        if (params_.voxelPhotons > 0 && !geometry.surface->matt.empty()) {
+            specular = this->specular(geometry, missing);
+            if (specular.values.empty()) return cancelled();
+        }
+        const EntryValues leaving = specular.values.empty() ? reflected(first, albedo)
+                                                            : reflected(sum(first, specular), geometry.surface->matt);
         const StageClock clock("bounces", control_);
         int bounces = 0;
-        const EntryValues all = bounceLight(
-            *scene_.rays, voxels, geometry.orders, leaving, albedo, {params_.voxelDirections, params_.voxelGain},
-            control_.workers(), control_.stop(), &bounces, partners.get(), within(Stage::fit, kFirstUntil, 1.0));
+        BounceParams bounce;
+        bounce.directions = params_.voxelDirections;
+        bounce.leastGain = params_.voxelGain;
+        bounce.order = params_.voxelBounces;
+        EntryValues all =
+            bounceLight(*scene_.rays, voxels, geometry.orders, leaving, albedo, bounce, control_.workers(),
+                        control_.stop(), &bounces, partners.get(), within(Stage::fit, kFirstUntil, 1.0));
         if (all.values.empty() && !voxels.entries.empty()) return cancelled();
         products_.counters.bounces += static_cast<std::uint64_t>(bounces);
         EntryValues byRays;
         if (params_.voxelRays > 0 && !voxels.entries.empty()) {
             const auto rays = this->rays(geometry);
             if (rays) byRays = rays->bounced(leaving, albedo, all, control_.workers(), control_.stop());
+            byRays = evened(geometry, std::move(byRays), smooths(VoxelSmooth::bounced));
             if (byRays.values.empty()) return cancelled();
         }
+        all = evened(geometry, std::move(all), smooths(VoxelSmooth::bounced));
+        if (!specular.values.empty()) {
+            all = sum(std::move(all), specular);
+            if (!byRays.values.empty()) byRays = sum(std::move(byRays), specular);
+        }
+        if (all.values.empty() && !voxels.entries.empty()) return cancelled();
         const StageCost cost = clock.stop();
         for (std::size_t i = 0; i < missing.size(); ++i) {
-            const auto layer = layerOf(first, all, byRays, i, missing[i]);
+            const auto layer = layerOf(first, all, byRays, specular, i, missing[i]);
             layers[static_cast<std::size_t>(missing[i])] = layer;
             products_.keep<VoxelLayer>(layerKey(missing[i]), layer);
         }
@@ -190,7 +295,9 @@ private:
 
     /// Values of light group number `i` of those that were carried together.
     [[nodiscard]] static std::shared_ptr<const VoxelLayer> layerOf(const EntryValues& first, const EntryValues& all,
-                                                                   const EntryValues& byRays, std::size_t i, int group)
+                                                                   const EntryValues& byRays,
+                                                                   const EntryValues& specular, std::size_t i,
+                                                                   int group)
     {
         const auto taken = [i](const EntryValues& from) {
             std::vector<glm::vec3> values(from.entries());
@@ -203,7 +310,8 @@ private:
         auto indirect = std::make_shared<VdlLayer>();
         indirect->group = group;
         indirect->scalar = taken(all);
-        return std::make_shared<const VoxelLayer>(VoxelLayer{taken(first), std::move(indirect), taken(byRays)});
+        return std::make_shared<const VoxelLayer>(
+            VoxelLayer{taken(first), std::move(indirect), taken(byRays), taken(specular)});
     }
 
     const BakeJob& job_;
@@ -222,10 +330,12 @@ BakeParams roughVoxelParams(BakeParams params)
     params.voxelSamples = std::min(params.voxelSamples, 2);
     params.voxelDirections = std::min(params.voxelDirections, 128);
     params.voxelRays = 0;
+    params.voxelPhotons /= 16;
     return params;
 }
 
-std::shared_ptr<const VoxelSurface> voxelSurface(const SurfaceVoxels& voxels, std::vector<glm::vec3> albedo)
+std::shared_ptr<const VoxelSurface> voxelSurface(const SurfaceVoxels& voxels, std::vector<glm::vec3> albedo,
+                                                 std::vector<glm::vec3> matt)
 {
     auto leaves = std::make_shared<OctreeGeometry>();
     leaves->depth = voxels.lattice.depth;
@@ -234,7 +344,8 @@ std::shared_ptr<const VoxelSurface> voxelSurface(const SurfaceVoxels& voxels, st
     for (const glm::ivec3 voxel : voxels.voxels) leaves->cells.push_back(mortonCode(glm::uvec3(voxel)));
     leaves->firstEntry = voxels.firstEntry;
     for (const Orientation& o : voxels.entries) leaves->entries.push_back({o.centroid, o.normal, o.area});
-    return std::make_shared<const VoxelSurface>(VoxelSurface{voxels.cells, std::move(leaves), std::move(albedo)});
+    return std::make_shared<const VoxelSurface>(
+        VoxelSurface{voxels.cells, std::move(leaves), std::move(albedo), std::move(matt)});
 }
 
 Result<Done> VoxelSolver::bake(const BakeJob& job, BakeProducts& products, BakeControl& control)

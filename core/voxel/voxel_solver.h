@@ -14,9 +14,9 @@ struct VoxelGeometry {
     std::shared_ptr<const VoxelSurface> surface;
 };
 
-/// Surface voxels -> first light by shadow rays -> bounces along discrete lines, all lamps at once; lamps that are kept
-/// from an earlier bake are left out, and get the same light as if all were made anew. For jobs with `roughFirst` a
-/// coarse lattice is lit and published before.
+/// Surface voxels -> first light by shadow rays, and by photons where there are mirrors or glass -> bounces along
+/// discrete lines, all lamps at once; lamps that are kept from an earlier bake are left out, and get the same light as
+/// if all were made anew. For jobs with `roughFirst` a coarse lattice is lit and published before.
 class VoxelSolver final : public Solver {
 public:
     Result<Done> bake(const BakeJob& job, BakeProducts& products, BakeControl& control) override;
@@ -26,7 +26,7 @@ public:
 [[nodiscard]] BakeParams roughVoxelParams(BakeParams params);
 
 /// The entries as lookups want them.
-[[nodiscard]] std::shared_ptr<const VoxelSurface> voxelSurface(const SurfaceVoxels& voxels,
-                                                               std::vector<glm::vec3> albedo);
+[[nodiscard]] std::shared_ptr<const VoxelSurface>
+voxelSurface(const SurfaceVoxels& voxels, std::vector<glm::vec3> albedo, std::vector<glm::vec3> matt = {});
 
 } // namespace lightloom
