@@ -255,9 +255,7 @@ private Q_SLOTS:
         const double k = area(triangles(*scene, "Inner")) / area(triangles(*scene, "Outer"));
         const double in = 1.0 / (1.0 - r1 * r2 * k / (1.0 - r2 * (1.0 - k))),
                      out = r2 * k * in / (1.0 - r2 * (1.0 - k));
-        BakeParams params = accurate();
-        params.voxelSize = 128; // a sphere that lines meet is a part of a voxel larger: 64 give 5 % too much
-        const auto field = bake(method(), scene, params);
+        const auto field = bake(method(), scene, accurate());
         PointClaims claims("spheres");
         claims.add(meanOver(*field, *scene, "Inner"), out);
         claims.add(meanOver(*field, *scene, "Outer"), out / r2 - k);

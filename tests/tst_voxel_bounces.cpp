@@ -127,6 +127,58 @@ private Q_SLOTS:
         QVERIFY(std::abs(sum[1] / area[1] / (high * leaving) - 1.0) <= 0.01);
     }
 
+    void convexThingsAreAsWideAsTheyAre_data()
+    {
+        QTest::addColumn<std::shared_ptr<const Mesh>>("thing");
+        QTest::addColumn<double>("share"); // by which it may seem wider or narrower
+        const auto row = [](const char* name, Mesh mesh, double share) {
+            QTest::newRow(name) << std::make_shared<const Mesh>(std::move(mesh)) << share;
+        };
+        const glm::vec3 middle{1.01f, 0.99f, 1.02f}; // voxels of 3.1 cm
+        row("ball of 16 voxels", sphereMesh(middle, 0.25f, 32), 0.015);
+        row("ball of 4 voxels", sphereMesh(middle, 0.0625f, 24), 0.03);
+        row("round column of 6 voxels", cylinderMesh({1.01f, 0.4f, 1.02f}, 0.09f, 1.2f, 24), 0.05);
+        row("box", boxMesh({0.71f, 0.62f, 0.83f}, {1.33f, 1.41f, 1.24f}), 0.04);
+        row("square column, .4 of a voxel", boxMesh({1.0f, 0.3f, 1.0f}, {1.0125f, 1.7f, 1.0125f}), 0.12);
+    }
+    void convexThingsAreAsWideAsTheyAre() // reciprocity: the walls see of it A_thing / A_walls, as it sees them alone
+    {
+        QFETCH(std::shared_ptr<const Mesh>, thing);
+        QFETCH(double, share);
+        SceneBuilder builder("thing in a room");
+        const int white = builder.addMaterial("white", glm::vec3(0.5f));
+        builder.add("Room", boxMesh({0.0f, 0.0f, 0.0f}, {2.0f, 2.0f, 2.0f}, Facing::in), white);
+        builder.add("Thing", *thing, white);
+        builder.addPoint("Lamp", {0.1f, 1.9f, 0.1f}, glm::vec3(1.0f));
+        const Scene scene = builder.finish();
+        BounceParams params;
+        params.mostBounces = 1;
+        params.directions = 128;
+        const float shifts[] = {0.0f, 0.25f, 0.5f, 0.75f};
+        double mean = 0.0; // one shift may widen it or narrow it by a part of a voxel
+        for (const float shift : shifts) {
+            Voxels voxels(scene, 64, shift);
+            const auto isWall = [](const Orientation& o) {
+                return glm::any(glm::greaterThan(glm::abs(o.centroid - 1.0f), glm::vec3(0.99f)));
+            };
+            double area[2] = {};
+            for (const Orientation& o : voxels.entries()) area[isWall(o)] += static_cast<double>(o.area);
+            const std::vector<double> lux = voxels.grey([&](const Orientation& o) { return isWall(o) ? 1.0 : 0.0; },
+                                                        [](const auto&) { return 0.0; }, params);
+            double sum[2] = {};
+            for (std::size_t e = 0; e < lux.size(); ++e) {
+                const Orientation& o = voxels.entries()[e];
+                sum[isWall(o)] += lux[e] * static_cast<double>(o.area);
+            }
+            const double ofWalls = sum[0] / area[0], width = (area[1] - sum[1]) / area[0];
+            qInfo("shift %g: as wide as %.4f, sees %.4f", static_cast<double>(shift), width, ofWalls);
+            QVERIFY(std::abs(ofWalls - 1.0) <= 0.002);
+            mean += width / static_cast<double>(std::size(shifts));
+        }
+        qInfo("as wide as %.4f", mean);
+        QVERIFY(std::abs(mean - 1.0) <= share);
+    }
+
     void aLitCube() // A7: the mean of what is reflected
     {
         const double rho = 0.5, candela = 100.0;

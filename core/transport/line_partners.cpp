@@ -1,101 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/transport/line_partners.h"
 #include "core/base/rng.h"
-#include "core/base/wide_vectors.h"
 #include <algorithm>
 #include <bit>
 
 namespace lightloom {
 namespace {
 
-constexpr int kSameWall = 2;        ///< slices
-constexpr float kAboutPlane = 1.5f; ///< cells
-constexpr float kWhollyMet = 0.5f;  ///< share of what an entry shows that is enough to end all its ways in a corner
-/// Share of a line's cross-section that is enough to be met for certain. A wall covers all of it in at most three
-/// steps: one of them is large enough.
-constexpr float kEnough = 0.25f;
+constexpr int kSameWall = 2;       ///< slices
+constexpr float kWhollyMet = 0.5f; ///< share of what an entry shows that is enough to end all its ways in a corner
+/// By which the share of a line's cross-section counts that a sheet or a corner covers: a quarter is met for certain. A
+/// wall covers all of it in at most three steps: one of them is large enough.
+constexpr float kCertainly = 4.0f;
 constexpr std::uint32_t kAhead = 16; ///< slots: lines are fetched so long before they are walked on
 constexpr float kApart = 1e-3f;      ///< cells: the two sides of a sheet are neither before nor behind each other
 
-using Longs4 = std::int64_t __attribute__((vector_size(32)));
-using Unsigned8 = std::uint32_t __attribute__((vector_size(32)));
-
-/// Finaliser of MurmurHash3: every bit reaches every other.
-template<class Bits>
-[[gnu::always_inline]] inline void mix(Bits& x)
-{
-    x = (x ^ (x >> 16)) * 0x85EBCA6Bu;
-    x = (x ^ (x >> 13)) * 0xC2B2AE35u;
-    x = x ^ (x >> 16);
-}
-
-/// Uniform in [0, 1).
-float drawn(std::uint32_t key, std::uint32_t voxel)
-{
-    std::uint32_t bits = key ^ voxel;
-    mix(bits);
-    return static_cast<float>(static_cast<std::int32_t>(bits >> 8)) * 0x1p-24f;
-}
-
-/// What the walk does with a voxel of one entry.
-enum Kind : std::int32_t { kAlong = 0, kForth = 1, kBack = 2, kPassed = 4 };
-
-struct Slots {
-    const float *x, *y, *z, *area;
-    const std::uint32_t *voxel, *uv;
-};
-
-struct Walk {
-    glm::vec3 along;
-    std::uint32_t width, offset, key;
-    float enough, planeSlices;
-};
-
-struct Prepared {
-    float* cosines;
-    std::uint32_t* numbers;
-    std::int32_t *kinds, *reaches;
-};
-
-constexpr float kFurthest = 2047.0f; ///< slices: no line goes on for so many
-
-/// For `count` slots, in eights: some more are overwritten.
-LIGHTLOOM_WIDE_VECTORS void prepare(const Slots& s, std::size_t count, const Walk& walk, const Prepared& out)
-{
-    for (std::size_t i = 0; i < (count + kLanes - 1) / kLanes; ++i) {
-        const Floats8 cosine = lanesOf<Floats8>(s.x, i) * walk.along.x + lanesOf<Floats8>(s.y, i) * walk.along.y +
-                               lanesOf<Floats8>(s.z, i) * walk.along.z;
-        const Floats8 size = cosine < 0.0f ? -cosine : cosine;
-        lanesOf<Floats8>(out.cosines, i) = cosine;
-        const Unsigned8 uv = lanesOf<Unsigned8>(s.uv, i);
-        lanesOf<Unsigned8>(out.numbers, i) = (uv & 0xFFFFu) * walk.width + (uv >> 16) + walk.offset;
-        const Ints8 isForth = cosine > kAlongSurface, isBack = cosine < -kAlongSurface;
-        const Floats8 covered = lanesOf<Floats8>(s.area, i) * size;
-        Ints8 isPassed = covered < walk.enough;
-        const auto any = reinterpret_cast<Longs4>(isPassed);
-        if ((any[0] | any[1] | any[2] | any[3]) != 0) {
-            Unsigned8 bits = lanesOf<Unsigned8>(s.voxel, i) ^ walk.key;
-            mix(bits);
-            const Floats8 draw = __builtin_convertvector(reinterpret_cast<Ints8>(bits >> 8), Floats8) * 0x1p-24f;
-            isPassed &= covered <= walk.enough * draw;
-        }
-        lanesOf<Ints8>(out.kinds, i) =
-            (isForth & std::int32_t(kForth)) | (isBack & std::int32_t(kBack)) | (isPassed & std::int32_t(kPassed));
-        const Floats8 reach = walk.planeSlices / size;
-        lanesOf<Ints8>(out.reaches, i) =
-            __builtin_convertvector(reach < kFurthest ? reach : kFurthest + Floats8{}, Ints8);
-    }
-}
-
-/// Partners by entry from those by slot.
-LIGHTLOOM_WIDE_VECTORS void toEntries(const std::uint32_t* entries, const std::uint32_t* ends, std::size_t count,
-                                      std::uint32_t* partners)
-{
-    for (std::size_t i = 0; i < count; ++i) partners[entries[i]] = entries[ends[i]];
-}
-
 /// Whether each lies before the other's plane.
 bool see(const Plane& one, const Plane& other) { return one.before(other) > kApart && other.before(one) > kApart; }
+
+bool makeEdge(const Plane& one, const Plane& other)
+{
+    return one.before(other) < kApart && other.before(one) < kApart &&
+           glm::dot(one.normal, other.normal) > -kSameOrientation;
+}
 
 /// Calls `what` with the number of each.
 template<class Do>
@@ -133,7 +60,7 @@ void LinePartners::findBeside()
         for (std::uint32_t k = 0; k < count && count > 1; ++k) {
             const Plane& other = order.planes[first + k];
             beside.seen |= Members(see(one, other)) << k;
-            beside.opposite |= Members(glm::dot(one.normal, other.normal) < -kSameOrientation) << k;
+            beside.edge |= Members(makeEdge(one, other)) << k;
         }
     }
 }
@@ -220,27 +147,65 @@ LinePartners::Faces LinePartners::joinCorners(const Several& voxel, const Faces&
     return left;
 }
 
-/// Whether a line passes beside surface that covers so much (m2) of its cross-section.
-bool LinePartners::passes(std::uint32_t slot, float covered, float enough) const
+/// Whether a line may pass beside surface that bends away from it or ends near by.
+bool LinePartners::skims(std::uint32_t slot) const
 {
-    return covered < enough && covered <= enough * drawn(keys_[1], order_->voxel[slot]);
+    const WalkOrder& o = *order_;
+    const float most = o.bendX[slot] * along_.x + o.bendY[slot] * along_.y + o.bendZ[slot] * along_.z;
+    if (cosines_[slot] * cosines_[slot] < kSkimDepth * (o.bend[slot] + most * most)) return true;
+    return leavesAtEdge(slot);
 }
 
-/// Which faces of a voxel the line passes beside: slivers, which other voxels of the same surface make up for; and at
-/// an edge that is open outwards, not at a slab or in a corner, as much as the surface leaves of the line's
-/// cross-section.
-LinePartners::Faces LinePartners::passedBy(const Several& voxel, const Faces& faces) const
+/// Whether surface beyond an edge near an entry does not face what the entry faces.
+bool LinePartners::leavesAtEdge(std::uint32_t slot) const
+{
+    const std::uint32_t number = order_->edges[slot];
+    return number != 0 && std::ranges::any_of(orders_.edges()[number], [&](glm::vec3 beyond) {
+               return beyond != glm::vec3(0.0f) &&
+                      glm::dot(beyond, along_) * cosines_[slot] < kAlongSurface * kAlongSurface;
+           });
+}
+
+/// Whether a line passes beside surface that covers so much of its cross-section, in kWhole. All that it skims in a run
+/// covers together what it covers one by one: of surface that ends ways, the place that was drawn in the cross-section
+/// is covered from some voxel on; of surface that ways begin at, one voxel has it, the last if they cover it twice.
+[[gnu::always_inline]] inline bool LinePartners::passes(Line& line, std::uint16_t slice, int share, int place,
+                                                        bool isForth)
+{
+    const int face = isForth ? 1 : 0;
+    const bool goesOn = ((line.skimmed & 1) == face) & (slice - (line.skimmed >> 1) <= kSameWall);
+    const int before = goesOn ? line.covered : 0, after = before + share;
+    const bool isReached = (after + kWhole - 1 - place) / kWhole != (before + kWhole - 1 - place) / kWhole;
+    line.covered = static_cast<std::uint16_t>(after < 2 * kWhole ? after : kWhole + after % kWhole);
+    line.skimmed = static_cast<std::uint16_t>(2 * slice + face);
+    return isForth ? !isReached : after <= place;
+}
+
+/// Which faces of a voxel the line passes beside: at an edge that is open outwards, not at a slab or in a corner, and
+/// where all of it bends away, as much as the surface leaves of the line's cross-section; else slivers alone.
+LinePartners::Faces LinePartners::passedBy(const Several& voxel, const Faces& faces, Line& line)
 {
     float back = 0.0f, forth = 0.0f;
     const Members all = faces.back | faces.forth;
-    bool isEdge = !std::has_single_bit(all);
+    bool isHollow = false, isEdge = false, isSkimmed = true;
     forEach(all, [&](std::uint32_t i) {
         const Beside& beside = besideAt(voxel.slot + i);
-        (faces.back >> i & 1u ? back : forth) += shownBy(voxel.slot + i);
-        isEdge = isEdge && ((beside.seen | beside.opposite) & all) == 0;
+        const bool isBack = (faces.back >> i & 1u) != 0;
+        (isBack ? back : forth) += shownBy(voxel.slot + i);
+        isHollow = isHollow || (beside.seen & all) != 0;
+        isEdge = isEdge || (beside.edge & ~(isBack ? faces.back : faces.forth)) != 0;
+        isSkimmed = isSkimmed && skims(voxel.slot + i);
     });
-    const float enough = isEdge ? tube_ : kEnough * tube_;
-    return {passes(voxel.slot, forth, enough) ? faces.forth : 0, passes(voxel.slot, back, enough) ? faces.back : 0};
+    const float weight = !isHollow && (isEdge || isSkimmed) ? 1.0f : kCertainly;
+    const auto share = [&](float shown) {
+        return static_cast<int>(std::min(weight * shown * wholePerArea_, kMostShare));
+    };
+    const auto number = static_cast<std::uint32_t>(&line - lines_.data());
+    const int place = placeIn(keys_[1], number);
+    Faces passed;
+    if (faces.back != 0 && passes(line, voxel.slice, share(back), place, false)) passed.back = faces.back;
+    if (faces.forth != 0 && passes(line, voxel.slice, share(forth), place, true)) passed.forth = faces.forth;
+    return passed;
 }
 
 /// One joins the chain. One that the line passes beside is not seen while there is another.
@@ -335,7 +300,7 @@ void LinePartners::walkSeveral(const Several& voxel, Line& line)
     const Faces faces = facesOf(voxel);
     Faces left = faces;
     if (faces.forth != 0 && faces.back != 0) left = joinCorners(voxel, faces);
-    const Faces passed = passedBy(voxel, left);
+    const Faces passed = passedBy(voxel, left, line);
     if (faces.back != 0)
         closeSeveral(line, voxel, left.back != 0 ? left.back : faces.back, left.back, passed.back != 0);
     const Members joined = faces.forth & ~left.forth;
@@ -352,24 +317,30 @@ void LinePartners::walkSeveral(const Several& voxel, Line& line)
     });
 }
 
-/// Voxels of one entry each, slots [first, end). Branches go by what surface faces, as slots are ordered; what else
-/// differs from one voxel to the next is selected.
-void LinePartners::walkOnes(std::uint32_t first, std::uint32_t end, std::uint16_t slice)
+/// Voxels of one entry each, slots [first, end) of a slice that starts at `begin`. Branches go by what surface faces,
+/// as slots are ordered; what else differs from one voxel to the next is selected.
+template<bool kIsBent>
+void LinePartners::walkOnes(std::uint32_t begin, std::uint32_t first, std::uint32_t end, std::uint16_t slice)
 {
     const Line kNew{};
     const std::uint32_t none = none_;
     Line* const lines = lines_.data();
     std::uint32_t *const ends = ends_.data(), *const before = before_.data(), *const chained = chained_.data();
+    const std::uint32_t* const edges = order_->edges.data();
     std::size_t chainedCount = chainedCount_;
     const std::uint16_t stamp = stamp_;
     for (std::uint32_t slot = first; slot < end; ++slot) {
-        const std::uint32_t i = slot - first;
+        const std::uint32_t i = slot - begin;
         __builtin_prefetch(&lines[numbers_[i + kAhead]], 1);
         const std::int32_t kind = kinds_[i], reach = reaches_[i];
         Line& line = lines[numbers_[i]];
         const Line& from = line.stamp == stamp ? line : kNew;
-        const bool isPassed = (kind & kPassed) != 0;
         const std::uint32_t last = from.last;
+        bool isPassed = false;
+        if (kIsBent && ((kind & kSkims) != 0 || (edges[slot] != 0 && leavesAtEdge(slot)))) {
+            if (line.stamp != stamp) line = Line{.stamp = stamp};
+            isPassed = passes(line, slice, kind >> kShareBit & kShareBits, kind >> kPlaceBit, (kind & kForth) != 0);
+        }
         ends[slot] = none;
         if ((kind & kForth) != 0) {
             const bool isFirst = last == kNothing, isSeen = isFirst | !isPassed;
@@ -385,7 +356,9 @@ void LinePartners::walkOnes(std::uint32_t first, std::uint32_t end, std::uint16_
                     slice,
                     static_cast<std::uint16_t>(std::max(farAfter, farBefore)),
                     from.closedAt,
-                    stamp};
+                    stamp,
+                    from.covered,
+                    from.skimmed};
         } else if ((kind & kBack) != 0) {
             const bool isWaiting = last != kNothing;
             if (isWaiting & ((slice <= from.farAfter) | (slice - from.lastSlice <= reach))) {
@@ -405,7 +378,9 @@ void LinePartners::walkOnes(std::uint32_t first, std::uint32_t end, std::uint16_
                     from.lastSlice,
                     from.farAfter,
                     slice,
-                    stamp};
+                    stamp,
+                    from.covered,
+                    from.skimmed};
             ends[slot] = emitter == kNothing ? none : emitter;
             if (emitters != 0) ends[slot] = seenBy(slot, line);
         }
@@ -419,10 +394,15 @@ void LinePartners::walkSlice(const LineNumbers& numbers, std::uint16_t slice)
     const std::uint32_t first = o.firstSlot[slice], end = o.firstSlot[slice + std::size_t(1)],
                         several = o.firstOfSeveral[slice];
     if (first == end) return;
-    const Slots slots{&o.x[first], &o.y[first], &o.z[first], &o.area[first], &o.voxel[first], &o.uv[first]};
-    const Walk walk{along_, numbers.width(), numbers.offset(slice), keys_[1], kEnough * tube_, kAboutPlane / perSlice_};
-    prepare(slots, end - first, walk, {&cosines_[first], numbers_.data(), kinds_.data(), reaches_.data()});
-    walkOnes(first, several, slice);
+    const SliceSlots slots{&o.x[first],     &o.y[first],     &o.z[first],     &o.area[first], &o.bend[first],
+                           &o.bendX[first], &o.bendY[first], &o.bendZ[first], &o.uv[first]};
+    const SliceWalk walk{along_,   numbers.width(),         numbers.offset(slice),
+                         keys_[1], kAboutPlane / perSlice_, wholePerArea_};
+    const PreparedSlots prepared{&cosines_[first], numbers_.data(), kinds_.data(), reaches_.data()};
+    prepareSlots(slots, end - first, walk, prepared);
+    markSkimmed(slots, o.firstBent[slice] - first, several - first, walk, prepared);
+    walkOnes<false>(first, first, o.firstBent[slice], slice);
+    walkOnes<true>(first, o.firstBent[slice], several, slice);
     for (std::uint32_t slot = several, next = 0; slot < end; slot = next) {
         for (next = slot + 1; next < end && o.voxel[next] == o.voxel[slot];) ++next;
         walkSeveral({slot, next - slot, slice}, lineAt(numbers_[slot - first]));
@@ -446,7 +426,7 @@ std::span<std::uint32_t> LinePartners::find(const LineDirection& direction, std:
     along_ = direction.unit;
     order_ = &orders_.along(direction.major);
     perSlice_ = 1.0f / along_[direction.major];
-    tube_ = voxels_.cellSize() * voxels_.cellSize() * along_[direction.major];
+    wholePerArea_ = static_cast<float>(kWhole) / (voxels_.cellSize() * voxels_.cellSize() * along_[direction.major]);
     const LineNumbers numbers(direction, voxels_.cells);
     if (lines_.size() < numbers.count()) lines_.resize(numbers.count());
     if (++stamp_ == 0) std::ranges::fill(lines_, Line{}), stamp_ = 1;

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "core/transport/voxel_lines.h"
+#include "core/transport/line_slots.h"
 
 namespace lightloom {
-
-inline constexpr float kAlongSurface = 1e-4f; ///< cosine below which a line neither meets a surface nor leaves it
 
 /// What the surface sees along discrete lines of one direction, both ways in one pass, O(voxels). An entry that faces
 /// along +direction looks that way, one that faces along -direction the other way: each has one partner, the entry that
@@ -14,10 +12,10 @@ inline constexpr float kAlongSurface = 1e-4f; ///< cosine below which a line nei
 /// line wait until an entry faces them, which sees the last of them; so do those that follow it within two slices, the
 /// next steps of the same wall. Entries see each other if each lies before the other's plane: the far side of a slab
 /// thinner than a voxel is passed over while the line is about that plane. Within a voxel this makes corners that are
-/// open inwards see themselves; all else that faces back in a voxel comes before what faces forth. A voxel at an edge
-/// that is open outwards is passed by on some lines, as often as its surface leaves room there. Where several entries
-/// of a voxel could answer, one is drawn by how much of it is seen: area times cosine
-/// (docs/methods/voxel-lightcuts.md).
+/// open inwards see themselves; all else that faces back in a voxel comes before what faces forth. Where surface bends
+/// away from a line or ends at an edge that is open outwards, lines pass beside it, as often as it leaves room in their
+/// cross-section. Where several entries of a voxel could answer, one is drawn by how much of it is seen: area times
+/// cosine (docs/methods/voxel-lightcuts.md).
 class LinePartners {
 public:
     static constexpr std::uint32_t kNothing = 0xFFFFFFFFu;
@@ -42,6 +40,8 @@ private:
         std::uint16_t farAfter = 0;       // slice beyond which the line has left all planes of the chain behind
         std::uint16_t closedAt = 0;       // slice
         std::uint16_t stamp = 0;          // of the direction; an older one: a line without voxels so far
+        std::uint16_t covered = 0;        // of its cross-section by the run of surface that it skims, in kWhole
+        std::uint16_t skimmed = 0;        // slice of the last of that run, twice; the lowest bit: it faces forth
     };
     static_assert(sizeof(Line) == 32);
     /// A voxel of several entries, while a line goes through it.
@@ -49,9 +49,10 @@ private:
         std::uint32_t slot, count; // of its first entry; entries
         std::uint16_t slice;
     };
-    /// Which others of its voxel an entry sees: each lies before the other's plane; which face its opposite way.
+    /// Which others of its voxel an entry sees: each lies before the other's plane; with which it makes an edge that is
+    /// open outwards: each lies behind the other's plane, and they are no sheet.
     struct Beside {
-        Members seen = 0, opposite = 0;
+        Members seen = 0, edge = 0;
     };
     struct Faces {
         Members forth = 0, back = 0;
@@ -65,15 +66,18 @@ private:
     [[nodiscard]] std::uint32_t seenBy(std::uint32_t slot, const Line& line) const;
     [[nodiscard]] bool endsAt(std::uint32_t from, std::uint32_t to) const;
     Faces joinCorners(const Several& voxel, const Faces& faces);
-    [[nodiscard]] bool passes(std::uint32_t slot, float covered, float enough) const;
-    [[nodiscard]] Faces passedBy(const Several& voxel, const Faces& faces) const;
+    [[nodiscard]] bool skims(std::uint32_t slot) const;
+    [[nodiscard]] bool leavesAtEdge(std::uint32_t slot) const;
+    static bool passes(Line& line, std::uint16_t slice, int share, int place, bool isForth);
+    [[nodiscard]] Faces passedBy(const Several& voxel, const Faces& faces, Line& line);
     void wait(Line& line, std::uint32_t slot, std::uint16_t slice, std::int32_t reach, Members together, bool isPassed);
     template<class EndOf>
     void close(Line& line, std::uint16_t slice, bool isPassed, EndOf endOf);
     void closeNear(Line& line, std::uint32_t slot, std::uint16_t slice, bool isPassed);
     void closeSeveral(Line& line, const Several& voxel, Members facing, Members takers, bool isPassed);
     void walkSeveral(const Several& voxel, Line& line);
-    void walkOnes(std::uint32_t first, std::uint32_t end, std::uint16_t slice);
+    template<bool kIsBent>
+    void walkOnes(std::uint32_t begin, std::uint32_t first, std::uint32_t end, std::uint16_t slice);
     void walkSlice(const LineNumbers& numbers, std::uint16_t slice);
     void finish();
     Line& lineAt(std::uint32_t number);
@@ -86,7 +90,7 @@ private:
     const WalkOrder* order_ = nullptr;
     glm::vec3 along_{0.0f};
     float perSlice_ = 1.0f;               // cells along the line
-    float tube_ = 1.0f;                   // m2: cross-section of the space that belongs to a line
+    float wholePerArea_ = 1.0f;           // per m2: 1 is the cross-section of the space that belongs to a line
     std::array<std::uint32_t, 3> keys_{}; // of what is drawn along this direction
     std::uint16_t stamp_ = 0;
     std::vector<Line> lines_;

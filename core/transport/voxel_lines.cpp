@@ -30,12 +30,16 @@ std::size_t facing(glm::vec3 n)
 /// Lays the entries of voxels that are in order into slots.
 class SlotFiller {
 public:
-    SlotFiller(const SurfaceVoxels& voxels, WalkOrder& order) : voxels_(voxels), order_(order)
+    SlotFiller(const SurfaceVoxels& voxels, const SurfaceBends& bends, WalkOrder& order)
+        : voxels_(voxels), bends_(bends), order_(order)
     {
         const std::size_t slots = voxels.entries.size() + WalkOrder::kSpare;
-        for (std::vector<std::uint32_t>* field : {&order.entry, &order.voxel, &order.uv}) field->resize(slots);
+        for (std::vector<std::uint32_t>* field : {&order.entry, &order.voxel, &order.uv, &order.edges})
+            field->resize(slots);
         order.slice.resize(slots), order.planes.resize(slots);
-        for (std::vector<float>* field : {&order.x, &order.y, &order.z, &order.area}) field->resize(slots);
+        for (std::vector<float>* field :
+             {&order.x, &order.y, &order.z, &order.area, &order.bend, &order.bendX, &order.bendY, &order.bendZ})
+            field->resize(slots);
     }
 
     void fill()
@@ -51,11 +55,12 @@ public:
     }
 
 private:
-    static constexpr std::size_t kSeveral = 24;
+    static constexpr std::size_t kBent = 24, kSeveral = 48;
     [[nodiscard]] std::size_t kindOf(const VoxelPlace& place) const
     {
         const std::uint32_t first = voxels_.firstEntry[place.voxel];
-        return voxels_.firstEntry[place.voxel + 1] - first == 1 ? facing(voxels_.entries[first].normal) : kSeveral;
+        if (voxels_.firstEntry[place.voxel + 1] - first > 1) return kSeveral;
+        return facing(voxels_.entries[first].normal) + (bends_.isBent(first) ? kBent : 0);
     }
     void fillSlice(std::span<const VoxelPlace> places)
     {
@@ -64,6 +69,7 @@ private:
         for (const VoxelPlace& place : places) kinds[kindOf(place)].push_back(place);
         order_.firstSlot.push_back(next_);
         for (std::size_t k = 0; k <= kSeveral; ++k) {
+            if (k == kBent) order_.firstBent.push_back(next_);
             if (k == kSeveral) order_.firstOfSeveral.push_back(next_);
             for (const VoxelPlace& place : kinds[k]) fillVoxel(place);
         }
@@ -78,10 +84,15 @@ private:
             order_.planes[next_] = {at, glm::dot(at, o.normal), o.normal, static_cast<float>(place.slice)};
             order_.uv[next_] = place.u | static_cast<std::uint32_t>(place.v) << 16;
             order_.x[next_] = o.normal.x, order_.y[next_] = o.normal.y, order_.z[next_] = o.normal.z;
+            const SurfaceBend& bend = bends_.bends[e];
+            order_.edges[next_] = bends_.number[e];
+            order_.bend[next_] = bend.least, order_.bendX[next_] = bend.most.x, order_.bendY[next_] = bend.most.y,
+            order_.bendZ[next_] = bend.most.z;
         }
     }
 
     const SurfaceVoxels& voxels_;
+    const SurfaceBends& bends_;
     WalkOrder& order_;
     std::uint32_t next_ = 0;
     std::array<std::vector<VoxelPlace>, kSeveral + 1> byKind_;
@@ -100,6 +111,7 @@ VoxelOrders::VoxelOrders(const SurfaceVoxels& voxels)
 {
     static_assert(kMostVoxels <= 65'536);
     std::vector<VoxelPlace> spare;
+    SurfaceBends bends = surfaceBends(voxels);
     for (int axis = 0; axis < 3; ++axis) {
         WalkOrder& order = orders_[static_cast<std::size_t>(axis)];
         order.places.reserve(voxels.voxels.size());
@@ -111,16 +123,17 @@ VoxelOrders::VoxelOrders(const SurfaceVoxels& voxels)
             order.places.push_back({at(axis), at(axis + 1), at(axis + 2), i});
         }
         for (const auto digit : kDigits) sortBy(digit, voxels.cells, order.places, spare);
-        SlotFiller(voxels, order).fill();
+        SlotFiller(voxels, bends, order).fill();
     }
+    edges_ = std::move(bends.edges);
 }
 
 std::size_t VoxelOrders::memoryBytes() const
 {
-    std::size_t bytes = 0;
+    std::size_t bytes = edges_.size() * sizeof(SurfaceBends::Edges);
     for (const WalkOrder& order : orders_) {
         constexpr std::size_t kSlot =
-            3 * sizeof(std::uint32_t) + sizeof(std::uint16_t) + 4 * sizeof(float) + sizeof(Plane);
+            4 * sizeof(std::uint32_t) + sizeof(std::uint16_t) + 8 * sizeof(float) + sizeof(Plane);
         bytes += order.places.size() * sizeof(VoxelPlace) + order.entry.size() * kSlot;
     }
     return bytes;

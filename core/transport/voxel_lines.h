@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "core/transport/direction_set.h"
-#include "core/transport/surface_voxels.h"
+#include "core/transport/surface_bend.h"
 #include <array>
 
 namespace lightloom {
@@ -24,18 +24,22 @@ struct alignas(32) Plane {
 
 /// The entries of all voxels in the order in which a walk meets them, field by field, each in a slot of its own. Slice
 /// after slice; a line has one voxel in a slice at most, so that the order within one is free: voxels of one entry come
-/// first, by what they face, as walls do that are walked alike; then those of several, the entries of each together.
+/// first, by what they face, as walls do that are walked alike, those about which surface does not bend before the
+/// others; then those of several, the entries of each together.
 struct WalkOrder {
     static constexpr std::size_t kSpare = 8;               ///< slots at the end of each field that hold nothing
     static constexpr std::uint32_t kNoEntry = 0xFFFFFFFFu; ///< what these have as entry
     std::vector<VoxelPlace> places;                        ///< of the voxels, in lexicographic order
     std::vector<std::uint32_t> firstSlot;                  ///< by slice; one more at the end
+    std::vector<std::uint32_t> firstBent;                  ///< by slice: the first slot about which surface bends
     std::vector<std::uint32_t> firstOfSeveral;             ///< by slice: the first slot of a voxel of several entries
     std::vector<std::uint32_t> entry, voxel;               ///< by slot, as all that follows
     std::vector<std::uint32_t> uv;                         ///< u in the lower half, v in the upper
     std::vector<std::uint16_t> slice;
-    std::vector<float> x, y, z; ///< normals
-    std::vector<float> area;    ///< m2
+    std::vector<float> x, y, z;                   ///< normals
+    std::vector<float> area;                      ///< m2
+    std::vector<float> bend, bendX, bendY, bendZ; ///< SurfaceBend: least and most
+    std::vector<std::uint32_t> edges;             ///< number of what VoxelOrders::edges holds
     std::vector<Plane> planes;
 };
 
@@ -45,10 +49,12 @@ class VoxelOrders {
 public:
     explicit VoxelOrders(const SurfaceVoxels& voxels);
     [[nodiscard]] const WalkOrder& along(int axis) const { return orders_[static_cast<std::size_t>(axis)]; }
+    [[nodiscard]] std::span<const SurfaceBends::Edges> edges() const { return edges_; }
     [[nodiscard]] std::size_t memoryBytes() const;
 
 private:
     std::array<WalkOrder, 3> orders_;
+    std::vector<SurfaceBends::Edges> edges_;
 };
 
 /// The partition of a cube of cells into discrete lines of one direction (Debled-Rennesson 1995; papers of 2006 and
