@@ -148,6 +148,25 @@ private Q_SLOTS:
         QCOMPARE(int(at({0.28f, 0.3f, 0.57f})), 0);
     }
 
+    void whatLiesUnderAFloorIsShut() // also where a body of small triangles, lit above, goes on through it
+    {
+        const LitScene lit(*figureScene(6000));
+        for (const float shift : {0.0f, 0.5f}) {
+            const GridLattice lattice = placeGrid(*lit.rays, {32}, shift);
+            const Looked found = look(lit, lattice);
+            int open = 0, all = 0;
+            for (std::size_t v = 0; v < lattice.vertexCount(); ++v) {
+                const glm::dvec3 p = lit.scene->toFile(lattice.position(lattice.vertex(v)));
+                const bool isUnder = p.y < 0.0 && std::max(std::abs(p.x - 0.28), std::abs(p.z - 0.28)) < 0.2;
+                if (!isUnder) continue;
+                ++all;
+                open += found.open->isOpen[v];
+            }
+            QVERIFY(all > 100);
+            QVERIFY2(open == 0, qPrintable(QString("shift %1: %2 of %3").arg(shift).arg(open).arg(all)));
+        }
+    }
+
     void freeSpaceNeedsNoRays()
     {
         const LitScene lit(furnaceBox(0.5f));

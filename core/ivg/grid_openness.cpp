@@ -4,13 +4,15 @@
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
 #include <limits>
+#include <optional>
 
 namespace lightloom {
 namespace {
 
-constexpr int kVotes = 4;  ///< of 14 rays
-constexpr int kRows = 4;   ///< of a face, on each side of its vertex
-constexpr int kLevels = 2; ///< of a cell, on each side
+constexpr int kVotes = 4;        ///< of 14 rays
+constexpr double kPocket = 0.01; ///< of what rays from a pocket of vertices meet; open rooms have .0005 at most
+constexpr int kRows = 4;         ///< of a face, on each side of its vertex
+constexpr int kLevels = 2;       ///< of a cell, on each side
 constexpr std::size_t kBlock = 256;
 
 constexpr float kFarthest = 255.0f / GridOpenness::kSightUnits; ///< cells along the axes that sight is kept for
@@ -71,7 +73,8 @@ class Finder {
 public:
     Finder(const RayScene& rays, const LightReach& reach, const GridLattice& lattice, const NearVertices& near,
            GridOpenness& result)
-        : rays_(rays), lattice_(lattice), near_(near), result_(result), isReached_(2 * rays.triangleCount(), 0)
+        : rays_(rays), lattice_(lattice), near_(near), result_(result), isReached_(2 * rays.triangleCount(), 0),
+          votes_(lattice.vertexCount())
     {
         for (const ReachedFacet& facet : reach.facets()) isReached_[facet.side] = 1;
     }
@@ -80,10 +83,9 @@ public:
     {
         const glm::ivec3 vertex = lattice_.vertex(index);
         const glm::vec3 p = lattice_.position(vertex);
-        if (isBehindWall(p)) {
-            result_.isOpen[index] = 0;
-            result_.faceShare[index] = glm::vec3(0.0f);
-            result_.cellShare[index] = 0.0f;
+        votes_[index] = votesAt(p);
+        if (votes_[index].areBehindWall()) {
+            shut(index);
             return;
         }
         if (near_.of(index) == kFar) return;
@@ -107,7 +109,38 @@ public:
         result_.cellParts[index] = open.parts;
     }
 
+    /// Shuts pockets: vertices that see none but each other, and together much surface that light cannot reach. Surface
+    /// of small triangles is reached as a whole, also where it goes on through a floor, and lends votes to what lies
+    /// beneath.
+    void shutPockets()
+    {
+        std::vector<std::uint8_t> isSeen(votes_.size(), 0);
+        std::vector<std::size_t> pocket;
+        for (std::size_t first = 0; first < votes_.size(); ++first) {
+            if (isSeen[first] != 0 || result_.isOpen[first] == 0) continue;
+            pocket.assign(1, first);
+            isSeen[first] = 1;
+            std::size_t reached = 0, unreached = 0;
+            for (std::size_t k = 0; k < pocket.size(); ++k) {
+                reached += votes_[pocket[k]].reached, unreached += votes_[pocket[k]].unreached;
+                for (std::size_t way = 0; way < 6; ++way) {
+                    const std::optional<std::size_t> next = seesNext(pocket[k], way);
+                    if (!next || isSeen[*next] != 0) continue;
+                    isSeen[*next] = 1;
+                    pocket.push_back(*next);
+                }
+            }
+            if (static_cast<double>(unreached) < kPocket * static_cast<double>(reached + unreached)) continue;
+            if (unreached > 0) std::ranges::for_each(pocket, [&](std::size_t index) { shut(index); });
+        }
+    }
+
 private:
+    /// What rays from a vertex met.
+    struct Votes {
+        std::uint8_t reached = 0, unreached = 0;
+        [[nodiscard]] bool areBehindWall() const { return unreached >= kVotes || unreached >= reached; }
+    };
     using Spans = std::array<float, 6>; ///< along -x +x -y ..., cells
     struct Open {
         float share = 0.0f;
@@ -125,13 +158,33 @@ private:
         }
     };
 
-    [[nodiscard]] bool isBehindWall(glm::vec3 p) const
+    void shut(std::size_t index)
     {
-        int reached = 0, unreached = 0;
+        result_.isOpen[index] = 0;
+        result_.faceShare[index] = glm::vec3(0.0f);
+        result_.cellShare[index] = 0.0f;
+    }
+    /// The next open vertex along a signed axis, where both see each other.
+    [[nodiscard]] std::optional<std::size_t> seesNext(std::size_t index, std::size_t way) const
+    {
+        glm::ivec3 to = lattice_.vertex(index);
+        to[static_cast<int>(way / 2)] += way % 2 == 0 ? -1 : 1;
+        if (to != glm::clamp(to, glm::ivec3(0), lattice_.cells)) return {};
+        const std::size_t next = lattice_.index(to);
+        const auto seesCell = [&](std::size_t from, std::size_t along) {
+            return static_cast<float>(result_.sight[from][along]) >= GridOpenness::kSightUnits;
+        };
+        const bool isNext = result_.isOpen[next] != 0 && seesCell(index, way) && seesCell(next, way ^ 1);
+        return isNext ? std::optional(next) : std::nullopt;
+    }
+
+    [[nodiscard]] Votes votesAt(glm::vec3 p) const
+    {
+        Votes votes;
         const auto ask = [&](glm::vec3 way) {
             Hit hit;
             if (!rays_.intersect(p, way, std::numeric_limits<float>::infinity(), hit)) return;
-            ++(isReached_[2 * hit.triangle + (hit.isFront ? 0 : 1)] ? reached : unreached);
+            ++(isReached_[2 * hit.triangle + (hit.isFront ? 0 : 1)] ? votes.reached : votes.unreached);
         };
         // of a cube to its sides and corners, turned: along axes rays would run into edges of what stands square
         const glm::mat3 turned = glm::mat3_cast(glm::normalize(glm::quat(1.0f, 0.31f, 0.17f, 0.43f)));
@@ -142,7 +195,7 @@ private:
         const float part = 1.0f / std::sqrt(3.0f);
         for (int corner = 0; corner < 8; ++corner)
             ask(turned * glm::vec3(corner & 1 ? part : -part, corner & 2 ? part : -part, corner & 4 ? part : -part));
-        return unreached >= kVotes || unreached >= reached;
+        return votes;
     }
 
     /// Half a cell, or nothing beyond the grid's border.
@@ -242,6 +295,7 @@ private:
     const NearVertices& near_;
     GridOpenness& result_;
     std::vector<std::uint8_t> isReached_; // by side
+    std::vector<Votes> votes_;            // by vertex
 };
 
 } // namespace
@@ -276,7 +330,9 @@ std::shared_ptr<const GridOpenness> findOpenness(const RayScene& rays, const Lig
     const bool all = workers.run((count + kBlock - 1) / kBlock, stop, [&](std::size_t block) {
         for (std::size_t i = block * kBlock; i < std::min(count, (block + 1) * kBlock); ++i) finder.look(i);
     });
-    return all ? result : nullptr;
+    if (!all) return nullptr;
+    finder.shutPockets();
+    return result;
 }
 
 } // namespace lightloom
