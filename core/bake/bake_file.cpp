@@ -68,6 +68,7 @@ Result<BakeInfo> checkInfo(const VdbFile& file, const Scene& scene)
     if (format < 3) info.params.octreeDetail = 0; // of before leaves could be split
     info.params.gatherScreens = Switch::off;      // of before walls were looked for: newer ones say so
     info.params.gridFit = Switch::off;            // likewise of before light was fitted to surface
+    info.params.gridSmooth = Switch::off;         // or smoothed
     info.params.voxelSmooth = VoxelSmooth::off;   // and of before voxels' light was averaged, and shot by mirrors
     info.params.voxelSlivers = 0.0f;
     info.params.voxelPhotons = 0;

@@ -54,20 +54,62 @@ GridAdvice adviseGridSize(const SceneProducts& scene, const GridMemoryJob& memor
 
 float leastWallCells(GridFilter filter) { return filter == GridFilter::trilinear ? 0.1f : 2.0f; }
 
-std::uint64_t photonsForNoise(const IrradianceGrid& pilot, std::uint64_t pilotPhotons,
+namespace {
+
+constexpr double kLeastLeft = 0.06; ///< of a variance, where smoothing takes all it can
+constexpr double kStep = 1.02;      ///< between numbers of photons that are tried
+
+/// The noise at a point for other numbers of photons (grid_smooth.h): a value keeps k = (b + c) / (b + c + 1) of
+/// itself, b what its neighbours differ by over its variance, so that it grows with the photons, c what their mean errs
+/// by over the same; k^2 + (1 - k)^2 c of the variance are left.
+class PointNoise {
+public:
+    PointNoise(double raw, double smoothed) : square_(smoothed)
+    {
+        const double part = raw > 0.0 ? smoothed / raw : 1.0, c = kLeastLeft;
+        // part = k^2 (1 + c) - 2 c k + c, solved for the larger k
+        const double root = std::max(c * c - (1.0 + c) * (c - part), 0.0);
+        const double kept = std::clamp((c + std::sqrt(root)) / (1.0 + c), c / (1.0 + c), 0.999);
+        bend_ = (kept * (1.0 + c) - c) / (1.0 - kept);
+        left_ = left(1.0);
+    }
+    /// lux^2, with `more` times the photons.
+    [[nodiscard]] double squareFor(double more) const { return square_ / more * left(more) / left_; }
+
+private:
+    [[nodiscard]] double left(double more) const
+    {
+        const double apart = bend_ * more + kLeastLeft, kept = apart / (apart + 1.0);
+        return kept * kept + (1.0 - kept) * (1.0 - kept) * kLeastLeft;
+    }
+    double square_, bend_ = 0.0, left_ = 1.0;
+};
+
+} // namespace
+
+std::uint64_t photonsForNoise(const IrradianceGrid& raw, const IrradianceGrid& pilot, std::uint64_t pilotPhotons,
                               std::span<const SurfacePoint> points, double wanted)
 {
-    double square = 0.0, mean = 0.0;
+    std::vector<PointNoise> noises;
+    double mean = 0.0;
     for (const SurfacePoint& p : points) {
-        const double noise = static_cast<double>(pilot.noise(p.position, p.normal).value_or(0.0f));
-        square += noise * noise;
+        const auto squareIn = [&](const IrradianceGrid& grid) {
+            const auto noise = static_cast<double>(grid.noise(p.position, p.normal).value_or(0.0f));
+            return noise * noise;
+        };
+        noises.emplace_back(squareIn(raw), squareIn(pilot));
         mean += static_cast<double>(luminance(pilot.irradiance(p.position, p.normal)));
     }
     if (points.empty() || mean <= 0.0) return pilotPhotons;
-    const double relative =
-        std::sqrt(square / static_cast<double>(points.size())) / (mean / static_cast<double>(points.size()));
-    const double photons = static_cast<double>(pilotPhotons) * (relative / wanted) * (relative / wanted);
-    return static_cast<std::uint64_t>(std::clamp(photons, static_cast<double>(pilotPhotons), 1e9));
+    mean /= static_cast<double>(points.size());
+    const double most = 1e9 / static_cast<double>(pilotPhotons);
+    double more = 1.0;
+    for (; more < most; more *= kStep) {
+        double square = 0.0;
+        for (const PointNoise& noise : noises) square += noise.squareFor(more);
+        if (square <= wanted * wanted * mean * mean * static_cast<double>(points.size())) break;
+    }
+    return static_cast<std::uint64_t>(std::min(more, most) * static_cast<double>(pilotPhotons));
 }
 
 } // namespace lightloom

@@ -21,8 +21,11 @@ struct GridAdvice {
 [[nodiscard]] float leastWallCells(GridFilter filter);
 
 /// Photons per light group that bring the noise of a grid, as it is stated at points of reached surface, to `wanted`
-/// (a fraction of the mean light), from a grid of `pilotPhotons`. At least as many as the pilot's, at most 10^9.
-[[nodiscard]] std::uint64_t photonsForNoise(const IrradianceGrid& pilot, std::uint64_t pilotPhotons,
-                                            std::span<const SurfacePoint> points, double wanted);
+/// (a fraction of the mean light), from grids of `pilotPhotons`, not smoothed and as it will be. At least as many as
+/// the pilots', at most 10^9. Without smoothing noise falls with the root of photons; with it slower, since more
+/// photons are smoothed less: how much less follows at each point from what smoothing took there.
+[[nodiscard]] std::uint64_t photonsForNoise(const IrradianceGrid& raw, const IrradianceGrid& pilot,
+                                            std::uint64_t pilotPhotons, std::span<const SurfacePoint> points,
+                                            double wanted);
 
 } // namespace lightloom

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/ivg/grid_fit.h"
+#include "core/base/units.h"
 #include <algorithm>
 
 namespace lightloom {
@@ -55,39 +56,52 @@ Reading readingOf(const IrradianceGrid& grid, const SurfacePatch& patch, const g
 
 } // namespace
 
-std::vector<std::array<glm::vec3, 6>> fitToSurface(const IrradianceGrid& grid, const GridSurface& surface,
-                                                   std::span<const glm::vec3> illuminance, Workers& workers)
+SurfaceFit fitToSurface(const IrradianceGrid& grid, const GridSurface& surface, std::span<const LandedLight> landed,
+                        Workers& workers)
 {
     const std::vector<SurfacePatch>& patches = surface.patches();
     std::vector<Reading> readings(patches.size());
     workers.run((patches.size() + kBlock - 1) / kBlock, {}, [&](std::size_t block) {
         for (std::size_t i = block * kBlock; i < std::min(patches.size(), (block + 1) * kBlock); ++i)
-            readings[i] = readingOf(grid, patches[i], illuminance[i]);
+            readings[i] = readingOf(grid, patches[i], landed[i].illuminance);
     });
 
     const std::size_t count = grid.geometry().lattice.vertexCount();
-    std::vector<std::array<glm::vec3, 6>> sums(count, std::array<glm::vec3, 6>{});
     std::vector<std::array<float, 6>> weights(count, std::array<float, 6>{});
+    SurfaceFit fit;
+    fit.correction.assign(count, std::array<glm::vec3, 6>{});
+    fit.variance.assign(count, std::array<float, 6>{});
+    fit.fitted.assign(count, 0);
     for (std::size_t i = 0; i < patches.size(); ++i) {
         const Reading& reading = readings[i];
         for (std::size_t k = 0; k < reading.count; ++k) {
             const Reading::Corner& corner = reading.corners[k];
             for (std::size_t axis = 0; axis < 3; ++axis) {
                 const float weight = patches[i].area * corner.part[static_cast<int>(axis)];
-                sums[corner.vertex][reading.side[axis]] += weight * reading.missing;
+                fit.correction[corner.vertex][reading.side[axis]] += weight * reading.missing;
                 weights[corner.vertex][reading.side[axis]] += weight;
+                // not by area: of the least patches there is next to nothing
+                const float part = corner.part[static_cast<int>(axis)];
+                fit.variance[corner.vertex][reading.side[axis]] += part * part * landed[i].fluxVariance;
             }
         }
     }
     for (std::size_t v = 0; v < count; ++v) {
         for (std::size_t d = 0; d < 6; ++d) {
-            glm::vec3& sum = sums[v][d];
-            if (weights[v][d] <= 0.0f) continue;
+            const float weight = weights[v][d];
+            if (weight <= 0.0f) continue;
+            glm::vec3& correction = fit.correction[v][d];
             const glm::vec3 value = grid.keptAt(v)[d]; // flux comes first in `joined`
-            sum = glm::clamp(sum / weights[v][d], (kLeast - 1.0f) * value, (kMost - 1.0f) * value);
+            correction = glm::clamp(correction / weight, (kLeast - 1.0f) * value, (kMost - 1.0f) * value);
+            // no more than the clamp lets through, also where there is next to no surface
+            const float most = kMost * luminance(value);
+            const double parts = static_cast<double>(fit.variance[v][d]), sum = static_cast<double>(weight);
+            fit.variance[v][d] = static_cast<float>(
+                std::min(parts / (sum * sum), static_cast<double>(most) * static_cast<double>(most)));
+            fit.fitted[v] = static_cast<std::uint8_t>(fit.fitted[v] | 1u << d);
         }
     }
-    return sums;
+    return fit;
 }
 
 } // namespace lightloom

@@ -3,7 +3,7 @@
 #include "core/base/memory_use.h"
 #include "core/ivg/grid_batches.h"
 #include "core/ivg/grid_deposit.h"
-#include "core/ivg/grid_fit.h"
+#include "core/ivg/grid_smooth.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -17,7 +17,7 @@ double fitBytes(const GridLattice& lattice, const GridMemoryJob& job)
 {
     const auto vertices = static_cast<double>(lattice.vertexCount());
     const double perVertex = static_cast<double>(IrradianceGrid::bytesPerVertex(GridRemap::joined)) +
-                             static_cast<double>(GridLayer::kFitBytesPerVertex) + sizeof(std::array<float, 6>) +
+                             static_cast<double>(GridLayer::kFitBytesPerVertex) + 2.0 * sizeof(std::array<float, 6>) +
                              2.0 * sizeof(std::uint32_t);
     const glm::vec3 cell = lattice.cellSize;
     const double cellFace = std::cbrt(static_cast<double>(cell.x * cell.y * cell.z));
@@ -45,7 +45,8 @@ GridMemory gridMemory(const GridLattice& lattice, const GridMemoryJob& job)
     const double ways = std::min(job.mostPathBytes, segments * sizeof(PhotonSegment) * job.groups);
     const double batch = inBatch * (sizeof(PhotonSegment) + GridDeposit::bytesPerSegment() +
                                     (isFitted ? SurfaceLight::kBytesPerSegment : 0.0));
-    const double fit = isFitted ? fitBytes(lattice, job) : 0.0;
+    // what smoothing takes is less than the grid of one lamp, and comes before it and after
+    const double fit = isFitted ? fitBytes(lattice, job) : job.isSmoothed ? vertices * kSmoothBytesPerVertex : 0.0;
     const double shown = job.isShown ? 2.0 * (layers + field) : 0.0;
     const double sums = GridDeposit::bytesFor(lattice, job.estimator, job.groups) + layers;
     const double flux = vertices * sizeof(std::array<glm::vec3, 6>); // of one lamp, where slopes are found

@@ -21,7 +21,8 @@ struct GridMemoryJob {
     GridEstimator estimator = GridEstimator::crossings;
     GridRemap remap = GridRemap::joined;
     double fittedArea = 0.0; ///< m2, of the surface that light is fitted to; 0: none
-    bool isShown = false;    ///< snapshots are published meanwhile: one is shown while the next is made
+    bool isSmoothed = false;
+    bool isShown = false; ///< snapshots are published meanwhile: one is shown while the next is made
 };
 [[nodiscard]] GridMemory gridMemory(const GridLattice& lattice, const GridMemoryJob& job);
 

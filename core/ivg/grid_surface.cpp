@@ -2,6 +2,7 @@
 #include "core/ivg/grid_surface.h"
 #include "core/base/rng.h"
 #include "core/base/sampling.h"
+#include "core/base/units.h"
 #include "core/trace/cell_clip.h"
 #include <algorithm>
 #include <bit>
@@ -201,19 +202,23 @@ bool SurfaceLight::add(std::span<const SegmentBlock* const> blocks, Workers& wor
             const auto& segments = blocks[b]->segments;
             for (std::size_t i = 0; i < segments.size(); ++i) {
                 const std::size_t patch = ends_[b][i] - first; // wraps around for those before
-                if (patch < count) flux_[first + patch] += glm::dvec3(segments[i].flux);
+                if (patch >= count) continue;
+                const auto light = static_cast<double>(luminance(segments[i].flux));
+                flux_[first + patch] += glm::dvec4(glm::dvec3(segments[i].flux), light * light);
             }
         }
     });
 }
 
-std::vector<glm::vec3> SurfaceLight::illuminance(double scale) const
+std::vector<LandedLight> SurfaceLight::light(double scale) const
 {
-    std::vector<glm::vec3> lux;
-    lux.reserve(flux_.size());
-    for (std::size_t i = 0; i < flux_.size(); ++i)
-        lux.emplace_back(flux_[i] * (scale / static_cast<double>(surface_->patches()[i].area)));
-    return lux;
+    std::vector<LandedLight> landed;
+    landed.reserve(flux_.size());
+    for (std::size_t i = 0; i < flux_.size(); ++i) {
+        const double perArea = scale / static_cast<double>(surface_->patches()[i].area);
+        landed.push_back({glm::vec3(glm::dvec3(flux_[i]) * perArea), static_cast<float>(flux_[i].w * scale * scale)});
+    }
+    return landed;
 }
 
 } // namespace lightloom

@@ -57,24 +57,30 @@ private:
     std::vector<std::uint32_t> firsts_, ends_; ///< by block, patches
 };
 
+/// What landed on a patch.
+struct LandedLight {
+    glm::vec3 illuminance; ///< lux per channel
+    float fluxVariance;    ///< of its luminous flux, lm^2
+};
+
 /// What landed on patches, of one light group: sums in double, in the photons' order, so that they are the same bits on
 /// any number of threads.
 class SurfaceLight {
 public:
     explicit SurfaceLight(std::shared_ptr<const GridSurface> surface)
-        : surface_(std::move(surface)), flux_(surface_->patches().size(), glm::dvec3(0.0))
+        : surface_(std::move(surface)), flux_(surface_->patches().size(), glm::dvec4(0.0))
     {
     }
     /// False: stopped, do not use further.
     bool add(std::span<const SegmentBlock* const> blocks, Workers& workers, const std::stop_token& stop);
-    static constexpr double kBytesPerPatch = sizeof(glm::dvec3), kBytesPerSegment = sizeof(std::uint32_t);
+    static constexpr double kBytesPerPatch = sizeof(glm::dvec4), kBytesPerSegment = sizeof(std::uint32_t);
     [[nodiscard]] const GridSurface& surface() const { return *surface_; }
-    /// By patch, lux per channel, times `scale`.
-    [[nodiscard]] std::vector<glm::vec3> illuminance(double scale) const;
+    /// By patch, with flux times `scale`.
+    [[nodiscard]] std::vector<LandedLight> light(double scale) const;
 
 private:
     std::shared_ptr<const GridSurface> surface_;
-    std::vector<glm::dvec3> flux_;                 ///< lumen
+    std::vector<glm::dvec4> flux_;                 ///< lumen, then the sum of squared luminances
     std::vector<std::vector<std::uint32_t>> ends_; ///< of the call's blocks, by segment
 };
 

@@ -3,9 +3,9 @@
 #include "core/ivg/grid_advice.h"
 #include "core/ivg/grid_batches.h"
 #include "core/ivg/grid_deposit.h"
-#include "core/ivg/grid_fit.h"
 #include "core/ivg/grid_nest.h"
 #include "core/ivg/grid_paths.h"
+#include "core/ivg/grid_smooth.h"
 #include "core/params/param_text.h"
 #include "core/photonmap/photon_products.h"
 #include <algorithm>
@@ -51,9 +51,9 @@ class GroupBake {
 public:
     /// `surface` null: no fit.
     GroupBake(std::string key, std::unique_ptr<GridDeposit> deposit, std::unique_ptr<PathFeed> feed,
-              const std::shared_ptr<const GridSurface>& surface, std::uint64_t photons, int group)
-        : key_(std::move(key)), deposit_(std::move(deposit)), feed_(std::move(feed)), photons_(photons),
-          shot_(std::make_shared<GridShot>())
+              const std::shared_ptr<const GridSurface>& surface, bool isSmooth, std::uint64_t photons, int group)
+        : key_(std::move(key)), deposit_(std::move(deposit)), feed_(std::move(feed)), isSmooth_(isSmooth),
+          photons_(photons), shot_(std::make_shared<GridShot>())
     {
         shot_->counts.group = group;
         if (surface) landed_ = std::make_unique<SurfaceLight>(surface);
@@ -81,10 +81,16 @@ public:
         const double scale =
             shot_->counts.shot == 0 ? 1.0 : static_cast<double>(photons_) / static_cast<double>(shot_->counts.shot);
         const auto made = std::make_shared<GridLayer>(deposit_->layer(shot_->counts.group, scale));
+        const GridGeometry& geometry = *deposit_->geometry();
+        if (isSmooth_) smoothVectors(geometry, deposit_->estimator(), *made, workers);
         if (!landed_) return made;
         // a grid of its own: what this lamp is corrected by does not depend on other lamps
-        const IrradianceGrid alone(deposit_->geometry(), {made}, deposit_->estimator(), {}, {});
-        made->onSurface = fitToSurface(alone, landed_->surface(), landed_->illuminance(scale), workers);
+        const auto alone = [&] { return IrradianceGrid(deposit_->geometry(), {made}, deposit_->estimator(), {}, {}); };
+        SurfaceFit fit = fitToSurface(alone(), landed_->surface(), landed_->light(scale), workers);
+        if (isSmooth_)
+            smoothFit(geometry, deposit_->estimator(), fit, *made, workers);
+        else
+            made->onSurface = std::move(fit.correction);
         return made;
     }
     /// Hands the finished layer to `products`.
@@ -106,6 +112,7 @@ private:
     std::unique_ptr<GridDeposit> deposit_;
     std::unique_ptr<SurfaceLight> landed_; ///< null: no fit
     std::unique_ptr<PathFeed> feed_;
+    bool isSmooth_;
     std::uint64_t photons_;
     std::shared_ptr<GridShot> shot_;
     StageCost shooting_{"shoot"}, depositing_{"deposit"};
@@ -229,15 +236,20 @@ public:
                 params_.gridEstimator,
                 params_.gridRemap,
                 isFitted() ? scene_.reach->area() : 0.0,
+                isSmooth(),
                 job_.roughFirst};
     }
     [[nodiscard]] int groups() const { return static_cast<int>(job_.scene->groups.size()); }
 
 private:
-    /// The printed sums are meant to be dark: surface would lighten them.
+    /// The printed sums are meant to be as printed: surface would lighten them.
     [[nodiscard]] bool isFitted() const
     {
         return params_.gridFit == Switch::on && params_.gridEstimator != GridEstimator::paper;
+    }
+    [[nodiscard]] bool isSmooth() const
+    {
+        return params_.gridSmooth == Switch::on && params_.gridEstimator != GridEstimator::paper;
     }
     [[nodiscard]] double mostPathBytes() const { return params_.gridPathMemory * 1048576.0; }
     [[nodiscard]] std::uint64_t photonsOf(int group) const
@@ -250,7 +262,7 @@ private:
     {
         return scene_.layerKey(static_cast<std::size_t>(group)) + photonKey() + latticeText(lattice) +
                std::string(kGridEstimatorNames[static_cast<std::size_t>(params_.gridEstimator)]) +
-               (isFitted() ? " fit" : "");
+               (isFitted() ? " fit" : "") + (isSmooth() ? " smooth" : "");
     }
     [[nodiscard]] GroupBake started(int group, const std::string& key, const Geometry& geometry,
                                     const std::shared_ptr<const GridSurface>& surface,
@@ -262,7 +274,7 @@ private:
         auto feed =
             std::make_unique<PathFeed>(scene_, photons, scene_.lampKey(static_cast<std::size_t>(group)) + photonKey(),
                                        mostPathBytes() / std::max(on_, 1), segments_.most, blocks_, products_);
-        return {key, std::move(deposit), std::move(feed), surface, photons.count, group};
+        return {key, std::move(deposit), std::move(feed), surface, isSmooth(), photons.count, group};
     }
     /// Takes all photons to their end, lamps side by side. False: stopped.
     bool advance(std::vector<GroupBake>& missing, const Geometry& geometry, const Layers& kept, double before,
@@ -357,17 +369,20 @@ Result<BakeParams> settledGridParams(const BakeJob& job, const SceneProducts& sc
     if (job.params.gridNoise > 0.0f) {
         BakeParams few = settled;
         few.photonCount = static_cast<int>(kPilotPhotons);
-        few.gridPathMemory = 0;
         BakeProducts apart; // nothing of it is part of the bake
-        GridBake pilot(job, few, scene, {}, apart, control);
-        const Result<Geometry> geometry = pilot.outerGeometry();
-        if (!geometry) return geometry.error();
-        Layers layers = pilot.layers(*geometry, 0.0, 0.01, false);
-        if (control.isStopped()) return cancelled();
+        const auto pilotOf = [&](Switch smooth) -> std::shared_ptr<const IrradianceGrid> {
+            few.gridSmooth = smooth;
+            GridBake pilot(job, few, scene, {}, apart, control);
+            const Result<Geometry> geometry = pilot.outerGeometry();
+            if (!geometry) return nullptr;
+            Layers layers = pilot.layers(*geometry, 0.0, 0.01, false);
+            return control.isStopped() ? nullptr : pilot.field(*geometry, std::move(layers));
+        };
+        const auto smoothed = pilotOf(settled.gridSmooth), raw = pilotOf(Switch::off);
+        if (!smoothed || !raw) return cancelled();
         const auto points = samplePoints(*scene.rays, *scene.lights, *scene.reach, kNoisePoints, 1);
-        settled.photonCount =
-            static_cast<int>(photonsForNoise(*pilot.field(*geometry, std::move(layers)), kPilotPhotons, points,
-                                             static_cast<double>(job.params.gridNoise)));
+        settled.photonCount = static_cast<int>(
+            photonsForNoise(*raw, *smoothed, kPilotPhotons, points, static_cast<double>(job.params.gridNoise)));
     }
     products.keep<BakeParams>(key, std::make_shared<const BakeParams>(settled), clock.stop());
     return settled;

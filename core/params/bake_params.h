@@ -54,6 +54,7 @@ struct BakeParams {
     int gridSizeZ = 0;
     GridEstimator gridEstimator = GridEstimator::crossings;
     Switch gridFit = Switch::on;
+    Switch gridSmooth = Switch::on;
     GridRemap gridRemap = GridRemap::joined;
     GridFilter gridFilter = GridFilter::trilinear;
     float gridOffset = 0.5f;
@@ -169,6 +170,8 @@ inline constexpr std::array kParams{
               "crossings: photons through cell faces, by area and cosine. tracks: ways through cells. paper: as printed, a third too dark; for comparison."},
     ParamSpec{"grid.fit", "Fit to surfaces", "", 0, 1, 1, kForGrid, Stage::fit, &BakeParams::gridFit, kSwitchNames,
               "Corrects vertices by the photons that land on the surface beside them. Off: by those that pass through the air alone, as printed."},
+    ParamSpec{"grid.smooth", "Smooth noise", "", 0, 1, 1, kForGrid, Stage::fit, &BakeParams::gridSmooth, kSwitchNames,
+              "Draws vertices towards their neighbours where the difference is no more than their noise. Off: blotchier, every vertex by itself."},
     ParamSpec{"grid.noise", "Wanted noise", "fraction", 0, 1, 0.005, kForGrid, Stage::shoot, &BakeParams::gridNoise, {},
               "Above 0: as many photons as bring the noise to this share of the mean light, instead of a number. 0: the number counts."},
     ParamSpec{"grid.paths", "Photon ways kept", "MiB", 0, 1'000'000, 128, kForGrid, Stage::show, &BakeParams::gridPathMemory, {},
