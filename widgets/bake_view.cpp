@@ -118,7 +118,7 @@ QString remapName(GridRemap remap)
 
 } // namespace
 
-QString gridSizeText(const Snapshot& snapshot)
+QString gridSizeText(const Snapshot& snapshot, GridText how)
 {
     const IrradianceGrid* grid = gridOf(snapshot);
     if (grid == nullptr) return {};
@@ -128,6 +128,7 @@ QString gridSizeText(const Snapshot& snapshot)
     };
     const QString text = QObject::tr("%1 cells").arg(sides(*grid));
     if (!grid->inside().grid) return text;
+    if (how == GridText::brief) return QObject::tr("%1 + finer").arg(text);
     return QObject::tr("%1, %2 finer ones inside").arg(text, sides(*grid->inside().grid));
 }
 

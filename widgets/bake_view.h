@@ -64,8 +64,9 @@ struct Measurement {
     double directLux = 0, indirectLux = -1; ///< luminance of the illuminance; negative: not known there
 };
 
+enum class GridText { full, brief }; ///< brief: of a finer grid inside no more than that there is one
 /// "32 x 20 x 32 cells", "32 x 20 x 32 cells, 40 x 40 x 24 finer ones inside".
-[[nodiscard]] QString gridSizeText(const Snapshot& snapshot);
+[[nodiscard]] QString gridSizeText(const Snapshot& snapshot, GridText how = GridText::full);
 /// A refinement in a word or two, by what tells it from others: "rough", "d5"; of a grid its cells, photons a lamp and,
 /// where it is not the usual one, its form: "N 32, 400k", "N 48 + 96, 2M, flux"; of voxels "N 64".
 [[nodiscard]] QString shortName(const BakeView& view);

@@ -446,10 +446,11 @@ void MainWindow::showView(const BakeView& view)
                             .arg(static_cast<double>(view.snapshot.field->memoryBytes()) / 1e6, 0, 'f', 1);
     const auto number = [](std::size_t n) { return QLocale().toString(static_cast<qulonglong>(n)); };
     if (view.isGrid()) {
-        statusSize_->setText(tr("%1  %2").arg(gridSizeText(view.snapshot), size));
         std::size_t open = view.gpuGrid ? view.gpuGrid->openVertices : 0;
         if (open > 0 && view.gpuGrid->inside) open += view.gpuGrid->inside->openVertices;
-        statusSize_->setToolTip(tr("Irradiance grid as shown: %1 vertices know light, %2").arg(number(open), all));
+        statusSize_->setText(tr("%1  %2").arg(gridSizeText(view.snapshot, GridText::brief), size));
+        statusSize_->setToolTip(tr("Irradiance grid as shown: %1; %2 vertices know light, %3")
+                                    .arg(gridSizeText(view.snapshot), number(open), all));
     } else if (view.isVoxels()) {
         statusSize_->setText(tr("%1 voxels  %2").arg(number(view.leaves), size));
         statusSize_->setToolTip(tr("Voxels as shown: %1 entries, %2").arg(number(view.entries), all));
