@@ -124,6 +124,51 @@ private Q_SLOTS:
         QVERIFY(isSame(*file->voxels->layers()[0], *voxelsOf(with).layers()[0]));
     }
 
+    void anEditedSceneIsAsIfNew() // voxels are made from those of the scene before; the light is the same to the bit
+    {
+        const auto room = [](float x) {
+            SceneBuilder builder("edited");
+            const int grey = builder.addMaterial("grey", glm::vec3(0.5f));
+            builder.add("Room", boxMesh({-1, 0, -1}, {1, 2, 1}, Facing::in), grey);
+            builder.add("Block", boxMesh({x, 0.1f, -0.2f}, {x + 0.4f, 0.5f, 0.2f}, Facing::out), grey);
+            builder.addPoint("Lamp", {0.2f, 1.5f, 0}, glm::vec3(100.0f));
+            return share(builder.finish());
+        };
+        VoxelSolver solver;
+        BakeProducts products;
+        const BakeParams p = voxelParams(20, 64);
+        const Baked before = runSolver(solver, {room(-0.5f), p, {}}, products),
+                    edited = runSolver(solver, {room(0.3f), p, {}}, products), fresh = bakeVoxels(room(0.3f), p);
+        QVERIFY(voxelsOf(edited).surface().leaves->cells == voxelsOf(fresh).surface().leaves->cells);
+        QVERIFY(voxelsOf(edited).surface().leaves->cells != voxelsOf(before).surface().leaves->cells);
+        QVERIFY(isSame(*voxelsOf(edited).layers()[0], *voxelsOf(fresh).layers()[0]));
+    }
+
+    void bouncesInTurnWantTheirPartners()
+    {
+        const auto scene = share(*sampleScene("cornell"));
+        BakeParams p = voxelParams(20, 256);
+        const Baked halving = bakeVoxels(scene, p);
+        p.voxelBounces = VoxelBounces::gaussSeidel;
+        const Baked inTurn = bakeVoxels(scene, p);
+        QVERIFY2(inTurn.error.empty(), inTurn.error.c_str());
+        QVERIFY(inTurn.counters.bounces < halving.counters.bounces);
+        double squares = 0.0, mean = 0.0;
+        const std::vector<glm::vec3>& a = voxelsOf(halving).layers()[0]->indirect->scalar;
+        for (std::size_t e = 0; e < a.size(); ++e) {
+            const double v = static_cast<double>(luminance(a[e]));
+            squares +=
+                std::pow(static_cast<double>(luminance(voxelsOf(inTurn).layers()[0]->indirect->scalar[e])) - v, 2.0);
+            mean += v;
+        }
+        const auto count = static_cast<double>(a.size());
+        qInfo("differ by %.4f of the mean", std::sqrt(squares / count) / (mean / count));
+        QVERIFY(std::sqrt(squares / count) <= 0.03 * mean / count);
+        p.voxelPartnerMemory = 0;
+        const Baked refused = bakeVoxels(scene, p);
+        QVERIFY2(refused.error.find("voxel.partners=0") != std::string::npos, refused.error.c_str());
+    }
+
     void lampsAddUp()
     {
         const auto scene = share(*sampleScene("two_rooms"));
