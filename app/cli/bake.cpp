@@ -7,7 +7,7 @@
 #include "core/ivg/grid_advice.h"
 #include "core/octree/light_octree.h"
 #include "core/scene/thin_walls.h"
-#include "core/voxel/voxel_field.h"
+#include "core/voxel/voxel_advice.h"
 #include <filesystem>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -70,12 +70,31 @@ void printGrid(const Lighting& lighting)
                c.keptBytes / (1 << 20), c.mostBytes / (1 << 20));
 }
 
-/// Of voxel radiosity: how many voxels of what size; else null.
+/// Of voxel radiosity; else nothing.
+std::optional<VoxelAdvice> adviceOf(const Lighting& lighting)
+{
+    const auto* field = dynamic_cast<const VoxelField*>(lighting.field.get());
+    if (!field) return {};
+    const LitScene& lit = lighting.lit;
+    return voxelAdvice(*lit.rays, samplePoints(*lit.rays, *lit.lights, *lit.reach, kNoisePoints, 1), *field,
+                       lighting.params.voxelDirections);
+}
+
+/// Of voxel radiosity: how many voxels of what size, and what is too fine for them; else null.
 nlohmann::json voxelReport(const Lighting& lighting)
 {
     const auto* field = dynamic_cast<const VoxelField*>(lighting.field.get());
     if (!field) return nullptr;
-    return {{"voxels", field->surface().leaves->cells.size()},
+    const VoxelAdvice advice = *adviceOf(lighting);
+    nlohmann::json lamps = nlohmann::json::array();
+    for (const VoxelAdvice::Lamp& lamp : advice.lamps) {
+        lamps.push_back({{"id", lighting.lit.scene->groups[static_cast<std::size_t>(lamp.group)].id},
+                         {"effective_emitters", lamp.emitters},
+                         {"by_shadow_rays", lamp.isConnected}});
+    }
+    return {{"surface_in_gaps", advice.inGaps},
+            {"lamps", std::move(lamps)},
+            {"voxels", field->surface().leaves->cells.size()},
             {"entries", field->surface().leaves->entries.size()},
             {"voxel_size", field->surface().leaves->cellSize()},
             {"bounces", lighting.counters.bounces}};
@@ -88,6 +107,14 @@ void printVoxels(const Lighting& lighting)
     const OctreeGeometry& leaves = *field->surface().leaves;
     fmt::print("  voxels: {} of {:.3g} m with {} entries, {} bounces\n", leaves.cells.size(), leaves.cellSize(),
                leaves.entries.size(), lighting.counters.bounces);
+}
+
+/// What is too fine for voxels.
+void warnOfVoxels(const Context& context, const Lighting& lighting)
+{
+    const std::optional<VoxelAdvice> advice = adviceOf(lighting);
+    if (!advice) return;
+    for (const std::string& line : adviceLines(*advice, *lighting.lit.scene)) log(context.log, LogLevel::warning, line);
 }
 
 /// Light passes through walls that are too thin for the grid: told, with what parts them.
@@ -146,7 +173,9 @@ nlohmann::json report(const Lighting& lighting, const BakeInfo& info, std::optio
               {"clusterings", c.clusterings},
               {"degenerate_entries", c.degenerateEntries},
               {"vertices", c.vertices},
-              {"deposits", c.deposits}}},
+              {"deposits", c.deposits},
+              {"voxels", c.voxels},
+              {"bounces", c.bounces}}},
             {"grid", gridReport(lighting)},
             {"voxels", voxelReport(lighting)},
             {"energy_lm",
@@ -196,6 +225,7 @@ int bake(const Context& context, const BakeCommand& command)
     const Result<Lighting> lighting = prepareLighting(context, request, 1.0);
     if (!lighting) return fail(lighting.error());
     if (!context.quiet) warnOfThinWalls(context, *lighting);
+    if (!context.quiet) warnOfVoxels(context, *lighting);
     const BakeInfo info = bakeInfo(*lighting);
     const Result<std::vector<std::uint8_t>> bytes = bakeBytes(*lighting->field, info, *lighting->lit.scene);
     if (!bytes) return fail(bytes.error());
