@@ -1,15 +1,47 @@
 // SPDX-License-Identifier: Apache-2.0
 // Claim: a reference that grows while one looks is coarse first, ends as the plain renderer has it, survives stops, and
-// is there at once the second time; a bake is judged by it as pictures are, before and after it is whole.
+// is there at once the second time; a bake is judged by it as pictures are, before and after it is whole;
+// one that takes long to ask in blocks of pixels first.
 #include "bake_helpers.h"
 #include "core/compare/live_compare.h"
 #include "core/scene/sample_scenes.h"
 #include "tests/view_helpers.h"
 #include <QTemporaryDir>
 #include <QtTest>
+#include <atomic>
 
 using namespace lightloom;
 using namespace lightloom::test;
+
+namespace {
+
+/// Says that a lookup takes long, and counts them.
+class Costly final : public IndirectField {
+public:
+    explicit Costly(std::shared_ptr<const IndirectField> field) : field_(std::move(field)) {}
+    [[nodiscard]] bool lookup(glm::vec3 p, glm::vec3 n, glm::vec3& lux) const override
+    {
+        ++asked;
+        return field_->lookup(p, n, lux);
+    }
+    [[nodiscard]] bool lookupQuick(glm::vec3 p, glm::vec3 n, glm::vec3& lux) const override
+    {
+        return field_->lookup(p, n, lux);
+    }
+    [[nodiscard]] bool isCostly() const override { return true; }
+    [[nodiscard]] std::shared_ptr<const IndirectField> withMix(Mix mix) const override
+    {
+        return std::make_shared<Costly>(field_->withMix(std::move(mix)));
+    }
+    [[nodiscard]] std::string_view method() const override { return field_->method(); }
+    [[nodiscard]] std::size_t memoryBytes() const override { return field_->memoryBytes(); }
+    mutable std::atomic<std::uint64_t> asked = 0;
+
+private:
+    std::shared_ptr<const IndirectField> field_;
+};
+
+} // namespace
 
 class LiveCompareTest : public QObject {
     Q_OBJECT
@@ -106,6 +138,33 @@ private Q_SLOTS:
         }
         live.setField(nullptr);
         QVERIFY(!live.error(ErrorKind::relative) && !live.wantsField());
+    }
+
+    void aCostlyFieldIsJudgedInBlocksFirst()
+    {
+        BakeParams params;
+        params.photonCount = 20'000;
+        params.octreeDepth = 4;
+        const auto field = std::make_shared<const Costly>(bakeOctree(scene_, params).field);
+        LiveCompare live(question(16));
+        live.setField(field);
+        while (!live.isWhole()) QVERIFY(live.advanceReference(workers_, {}));
+        std::vector<int> blocks;
+        std::vector<std::uint64_t> asked;
+        while (live.wantsField()) {
+            QVERIFY(live.advanceField(workers_, {}) && live.error(ErrorKind::relative));
+            blocks.push_back(live.block());
+            asked.push_back(field->asked.exchange(0));
+        }
+        QVERIFY(blocks.size() >= 4);
+        blocks.resize(4);
+        QCOMPARE(blocks, (std::vector<int>{8, 4, 2, 1}));
+        QVERIFY(asked[0] <= 9u * 7u && asked[1] <= 18u * 13u && asked[2] <= 35u * 25u); // once a block
+        ViewJob job = question(8).job;
+        job.indirect = ViewJob::Indirect::field;
+        job.withDirect = false;
+        const auto expected = viewError(plain(job, field.get()), *live.reference(), ErrorKind::relative);
+        QVERIFY(expected && (*live.error(ErrorKind::relative))->map.values == expected->map.values);
     }
 };
 

@@ -6,9 +6,10 @@
 namespace lightloom {
 namespace {
 
-constexpr int kRoughly = 4;       ///< a rough picture is smaller by this, each way
-constexpr int kRoughSamples = 16; ///< at most; time ends it sooner
-constexpr int kFieldSamples = 8;  ///< two even sets: edges are as smooth as they show
+constexpr int kRoughly = 4;          ///< a rough picture is smaller by this, each way
+constexpr int kRoughSamples = 16;    ///< at most; time ends it sooner
+constexpr int kFieldSamples = 8;     ///< two even sets: edges are as smooth as they show
+constexpr int kBlocks[] = {2, 4, 8}; ///< of a costly field's rough pictures, the last one first
 constexpr double kFirstSlice = 0.25, kLastSlice = 2.0,
                  kGrows = 0.1;         ///< seconds; a slice may take a tenth of all before
 constexpr double kWorthKeeping = 10.0; ///< seconds
@@ -73,28 +74,42 @@ void LiveCompare::keepPart() const
 
 void LiveCompare::setField(std::shared_ptr<const IndirectField> field)
 {
-    field_.reset();
+    fields_.clear();
     judged_.reset();
     if (!field) return;
     ViewJob job = question_.job;
     job.indirect = ViewJob::Indirect::field;
     job.samples = kFieldSamples;
     job.withDirect = false;
-    field_.emplace(question_.rays, question_.lights, question_.mix, std::move(field), job);
+    const auto add = [&] { fields_.emplace_back(question_.rays, question_.lights, question_.mix, field, job); };
+    add();
+    if (!field->isCostly()) return;
+    job.samples = 1;
+    for (const int block : kBlocks) {
+        job.block = block;
+        add();
+    }
 }
 
-bool LiveCompare::wantsField() const { return field_ && !field_->isWhole() && reference_ && !isRough_; }
+bool LiveCompare::wantsField() const
+{
+    const bool isToBeMade = fields_.size() > 1 || (fields_.size() == 1 && !fields_.front().isWhole());
+    return isToBeMade && reference_ && !isRough_;
+}
 
 bool LiveCompare::advanceField(Workers& workers, const std::stop_token& stop)
 {
-    assert(field_);
+    assert(!fields_.empty());
     if (reflectance_.pixels.empty()) {
-        reflectance_ = mattReflectance(*question_.rays, field_->job(), workers, stop);
+        reflectance_ = mattReflectance(*question_.rays, fields_.front().job(), workers, stop);
         if (reflectance_.pixels.empty()) return false;
     }
-    View view = field_->advance(kFirstSlice, workers, stop);
+    ProgressiveView& making = fields_.back();
+    View view = making.advance(kFirstSlice, workers, stop);
     if (view.samples == 0 || (stop.stop_requested() && !view.isWhole)) return false;
     judged_ = std::make_shared<const View>(std::move(view));
+    block_ = making.job().block;
+    if (fields_.size() > 1) fields_.pop_back();
     return true;
 }
 

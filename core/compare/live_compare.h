@@ -37,10 +37,12 @@ public:
     /// A picture that was begun is kept on disk if it took long enough to be worth it; a whole one is kept anyway.
     void keepPart() const;
 
-    /// Judges `field` (under its own mix) from now on; null: nothing.
+    /// Judges `field` (under its own mix) from now on; null: nothing. A costly one first in blocks of pixels that get
+    /// smaller, so that errors show within seconds.
     void setField(std::shared_ptr<const IndirectField> field);
     /// The field's picture still has to be made (finer); it waits for a reference.
     [[nodiscard]] bool wantsField() const;
+    [[nodiscard]] int block() const { return block_; } ///< ViewJob::block of the picture that is judged
     /// A slice of the field's picture. False: stopped.
     bool advanceField(Workers& workers, const std::stop_token& stop);
     /// Nothing while there are no pictures of both. Error: as `viewError`.
@@ -51,10 +53,12 @@ private:
 
     CompareQuestion question_;
     ReferenceStore store_;
-    std::optional<ProgressiveView> fine_, field_;
+    std::optional<ProgressiveView> fine_;
+    std::vector<ProgressiveView> fields_; ///< pictures of the field that are still to be made, the finest first
     std::shared_ptr<const View> reference_, judged_;
     FloatImage reflectance_;
     double seconds_ = 0;
+    int block_ = 1;
     bool isRough_ = false, wasStored_ = false;
 };
 
