@@ -60,10 +60,8 @@ void drawLegend(Canvas& canvas, int top, int width, const HeatmapStyle& style)
 {
     const int left = kMargin, right = width - 1 - kMargin, length = right - left;
     const bool isSigned = style.kind == ErrorKind::difference;
-    const auto valueAt = [&](float part) { return style.top * (isSigned ? 2.0f * part - 1.0f : part); };
     for (int x = 0; x <= length; ++x) {
-        const float value = valueAt(static_cast<float>(x) / static_cast<float>(length));
-        const auto colour = screen(errorColour(style.kind, value, style.top));
+        const auto colour = screen(style.colourOf(style.valueAt(static_cast<float>(x) / static_cast<float>(length))));
         for (int y = 0; y < kBarHeight; ++y) canvas.set(left + x, top + kBarTop + y, colour);
     }
     const int ticksTop = top + kBarTop + kBarHeight, numbersTop = ticksTop + kTickHeight + kGap;
@@ -73,12 +71,24 @@ void drawLegend(Canvas& canvas, int top, int width, const HeatmapStyle& style)
         // at both ends with the unit, between them there may be no room for it
         const bool isEnd = tick == 0 || tick == 4;
         const LegendUnit unit = isEnd || style.unit == LegendUnit::percent ? style.unit : LegendUnit::plain;
-        canvas.text(x, numbersTop, legendText(valueAt(static_cast<float>(tick) / 4.0f), unit, isSigned));
+        canvas.text(x, numbersTop, legendText(style.valueAt(static_cast<float>(tick) / 4.0f), unit, isSigned));
     }
     canvas.text(width / 2, numbersTop + kGlyphHeight + 2 * kGap, style.caption);
 }
 
 } // namespace
+
+float HeatmapStyle::valueAt(float part) const
+{
+    if (decades > 0) return top * std::pow(10.0f, static_cast<float>(decades) * (part - 1.0f));
+    return top * (kind == ErrorKind::difference ? 2.0f * part - 1.0f : part);
+}
+
+glm::vec3 HeatmapStyle::colourOf(float value) const
+{
+    if (decades == 0) return errorColour(kind, value, top);
+    return falseColour(value > 0.0f ? 1.0f + std::log10(value / top) / static_cast<float>(decades) : 0.0f);
+}
 
 std::string legendText(float value, LegendUnit unit, bool withSign)
 {
@@ -121,7 +131,7 @@ ByteImage heatmap(const ScalarImage& map, const HeatmapStyle& style)
         for (int x = 0; x < map.width; ++x) {
             const auto i =
                 static_cast<std::size_t>(y) * static_cast<std::size_t>(map.width) + static_cast<std::size_t>(x);
-            canvas.set(x, y, screen(errorColour(style.kind, map.values[i], style.top)));
+            canvas.set(x, y, screen(style.colourOf(map.values[i])));
         }
     }
     drawLegend(canvas, map.height, width, style);

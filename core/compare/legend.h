@@ -23,6 +23,9 @@ struct HeatmapStyle {
     float top = 1.0f; ///< end of the legend, above 0; differences run from -top to top
     LegendUnit unit = LegendUnit::percent;
     std::string caption; ///< what the numbers are; small letters (core/compare/tiny_font), 38 fit the least width
+    int decades = 0;     ///< above 0: of amounts, logarithmic over so many powers of ten below `top`
+    [[nodiscard]] float valueAt(float part) const; ///< of the bar, from 0 at its left
+    [[nodiscard]] glm::vec3 colourOf(float value) const;
 };
 
 /// The map in false colour, below it a bar with ticks, numbers and the caption. As wide as the map, but at least 240

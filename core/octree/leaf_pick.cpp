@@ -57,6 +57,10 @@ std::optional<LeafPick> pickLeaf(const LightOctree& octree, glm::vec3 p, glm::ve
     int most = 1;
     for (const auto& layer : octree.layers()) most = layer ? std::max(most, layer->count) : most;
     for (std::uint32_t e = geometry.firstEntry[leaf]; e < geometry.firstEntry[leaf + 1]; ++e) {
+        if (octree.show() == OctreeShow::colour) { // of light without directions (voxels) there are no others
+            pick.entries.push_back({geometry.entries[e], {}, octree.mixedColour({e, level})});
+            continue;
+        }
         PickedEntry entry{geometry.entries[e], octree.mixed({e, level}, most), glm::vec3(0.0f)};
         std::erase_if(entry.lights, [](const Vdl& vdl) { return vdl.colour == glm::vec3(0.0f); });
         for (const Vdl& vdl : entry.lights) {

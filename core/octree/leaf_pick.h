@@ -10,7 +10,8 @@ namespace lightloom {
 /// One orientation of a picked leaf, with its light under the octree's mix.
 struct PickedEntry {
     OctreeEntry surface;
-    std::vector<Vdl> lights; ///< all lamps' lights, merged as the window shows them; black ones left out
+    std::vector<Vdl> lights; ///< all lamps' lights, merged as the window shows them; black ones left out; of a colour
+                             ///< octree none
     glm::vec3 lux{0.0f};     ///< on a surface that faces along the entry's normal
 };
 
