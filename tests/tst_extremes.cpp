@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Claims, line by line after the list of extremes: whatever the scene and parameters, results are finite and not
-// negative, energy is right, nothing hangs. Photon methods: light-octree, photon-map and irradiance-grid.
+// negative, energy is right, nothing hangs. Photon methods: light-octree, photon-map and irradiance-grid; and
+// voxel-lightcuts, by its field and by lightcuts.
 #include "core/bake/packed_octree.h"
 #include "core/base/units.h"
 #include "core/ivg/ivg_solver.h"
@@ -9,6 +10,8 @@
 #include "core/scene/analytic_scenes.h"
 #include "core/scene/sample_scenes.h"
 #include "core/scene/scene_builder.h"
+#include "core/voxel/voxel_cuts.h"
+#include "core/voxel/voxel_solver.h"
 #include "tests/bake_helpers.h"
 #include "tests/light_helpers.h"
 #include <QtTest>
@@ -100,6 +103,39 @@ test::Baked soundGrid(const std::shared_ptr<const Scene>& scene, BakeParams para
     return baked;
 }
 
+bool isLight(glm::vec3 lux) { return isFinite(lux) && glm::all(glm::greaterThanEqual(lux, glm::vec3(0.0f))); }
+
+/// Voxels of the scene whose light is finite and not negative, as they hold it, by the field and by lightcuts. Gives
+/// the bake back.
+test::Baked soundVoxels(const std::shared_ptr<const Scene>& scene, Mix mix = {}, int size = 16)
+{
+    BakeParams params;
+    params.voxelSize = size;
+    params.voxelDirections = 256;
+    params.voxelRays = 8;
+    VoxelSolver solver;
+    BakeProducts products;
+    test::Baked baked = test::runSolver(solver, {scene, params, std::move(mix)}, products);
+    if (!baked.field) return qWarning("%s", baked.error.c_str()), baked;
+    const auto field = std::dynamic_pointer_cast<const VoxelField>(baked.field);
+    bool isSound = true;
+    for (std::size_t e = 0; e < field->surface().leaves->entries.size(); ++e)
+        isSound = isSound && isLight(field->direct(e)) && isLight(field->illuminance(e)) && isLight(field->exitance(e));
+    const auto lights = std::make_shared<const LightSampler>(*RayScene::build(scene));
+    const VoxelCuts cuts(field, lights, voxelShow(params));
+    const std::vector<OctreeEntry>& entries = field->surface().leaves->entries;
+    for (std::size_t e = 0; e < entries.size(); e += 1 + entries.size() / 50) {
+        isSound = isSound && isLight(field->irradiance(entries[e].centroid, entries[e].normal)) &&
+                  isLight(cuts.irradiance(entries[e].centroid, entries[e].normal));
+    }
+    const glm::vec3 nan(std::numeric_limits<float>::quiet_NaN()), up(0.0f, 1.0f, 0.0f);
+    for (const IndirectField* each :
+         {static_cast<const IndirectField*>(field.get()), static_cast<const IndirectField*>(&cuts)})
+        isSound = isSound && isLight(each->irradiance(nan, up)) && isLight(each->irradiance(glm::vec3(0.0f), nan));
+    if (!isSound) baked.error = "the voxels are not sound";
+    return baked;
+}
+
 /// Mean over the faces, lux.
 double meanLux(const test::Baked& grid, const Scene& scene)
 {
@@ -150,6 +186,10 @@ private Q_SLOTS:
         QVERIFY2(grid.error.empty(), grid.error.c_str());
         QCOMPARE(grid.counters.photonsShot + grid.counters.raysTraced + grid.counters.deposits, std::uint64_t(0));
         QCOMPARE(meanLux(grid, scene), 0.0);
+        const test::Baked voxels = soundVoxels(share(scene));
+        QVERIFY2(voxels.error.empty(), voxels.error.c_str());
+        QCOMPARE(voxels.counters.groupsBaked + voxels.counters.bounces, std::uint64_t(0));
+        QCOMPARE(meanLux(voxels, scene), 0.0);
     }
 
     void everyLampOff()
@@ -163,6 +203,10 @@ private Q_SLOTS:
         QVERIFY2(grid.error.empty(), grid.error.c_str());
         QCOMPARE(grid.counters.photonsShot + grid.counters.deposits, std::uint64_t(0));
         QCOMPARE(grid.counters.groupsOff, std::uint64_t(1));
+        const test::Baked voxels = soundVoxels(share(cornellBox()), {glm::vec3(0.0f)});
+        QVERIFY2(voxels.error.empty(), voxels.error.c_str());
+        QCOMPARE(voxels.counters.groupsOff, std::uint64_t(1));
+        QCOMPARE(voxels.counters.bounces, std::uint64_t(0));
     }
 
     void fewPhotons_data()
@@ -203,8 +247,9 @@ private Q_SLOTS:
         builder.addSpot("Needle", {0, 0.9f, 0}, {0, -1.0f, 0}, glm::vec3(1000.0f), 0.0f, 1e-4f);
         const auto scene = share(builder.finish());
         checkSound(test::bakeOctree(scene, quick()));
-        const test::Baked grid = soundGrid(scene, quick());
+        const test::Baked grid = soundGrid(scene, quick()), voxels = soundVoxels(scene);
         QVERIFY2(grid.error.empty(), grid.error.c_str());
+        QVERIFY2(voxels.error.empty(), voxels.error.c_str());
     }
 
     void oppositeDirections() // two lamps face to face light a sheet edge on from both sides
@@ -221,8 +266,9 @@ private Q_SLOTS:
             params.vdlCount = k;
             checkSound(test::bakeOctree(scene, params));
         }
-        const test::Baked grid = soundGrid(scene, quick());
+        const test::Baked grid = soundGrid(scene, quick()), voxels = soundVoxels(scene);
         QVERIFY2(grid.error.empty(), grid.error.c_str());
+        QVERIFY2(voxels.error.empty(), voxels.error.c_str());
     }
 
     void albedos_data()
@@ -248,6 +294,12 @@ private Q_SLOTS:
         QVERIFY2(grid.error.empty(), grid.error.c_str());
         QVERIFY2(std::abs(meanLux(grid, *scene) - truth) <= truth * (0.02 + 5.0 * std::sqrt(used / 20'000.0)),
                  qPrintable(QString("%1 of %2").arg(meanLux(grid, *scene)).arg(truth)));
+        // .1 % a bounce, 2 % at rho = .95 (tst_voxel_bounces)
+        const test::Baked voxels = soundVoxels(scene, {}, 32);
+        QVERIFY2(voxels.error.empty(), voxels.error.c_str());
+        const double mean = meanLux(voxels, *scene), most = 0.001 * used / (1.0 - used) + 0.005;
+        qInfo("voxels: off by %.2f %%, %.2f %% allowed", 100.0 * (mean / truth - 1.0), 100.0 * most);
+        QVERIFY2(std::abs(mean - truth) <= most * truth, qPrintable(QString("voxels %1 of %2").arg(mean).arg(truth)));
     }
 
     void brokenTriangles() // without area, needles, doubled vertices and coplanar sheets
@@ -267,8 +319,24 @@ private Q_SLOTS:
         mesh.triangles.insert(mesh.triangles.end(), copy.begin(), copy.end());
         finishScene(scene, {});
         checkSound(test::bakeOctree(share(scene), quick()));
-        const test::Baked grid = soundGrid(share(scene), quick());
+        const test::Baked grid = soundGrid(share(scene), quick()), voxels = soundVoxels(share(scene));
         QVERIFY2(grid.error.empty(), grid.error.c_str());
+        QVERIFY2(voxels.error.empty(), voxels.error.c_str());
+    }
+
+    void hardlyAnyScene() // voxels of nothing, of one triangle, of one that is as small as it gets
+    {
+        for (const float size : {0.0f, 1.0f, 1e-18f}) {
+            SceneBuilder builder("triangle");
+            const int white = builder.addMaterial("white", glm::vec3(0.5f));
+            builder.addPoint("Lamp", {0, 1, 0}, glm::vec3(100.0f));
+            Mesh mesh;
+            mesh.positions = {{0, 0, 0}, {0, 0, size}, {size, 0, 0}};
+            mesh.triangles = {{0, 1, 2}};
+            if (size > 0.0f) builder.add("Triangle", mesh, white);
+            const test::Baked voxels = soundVoxels(share(builder.finish()));
+            QVERIFY2(voxels.error.empty(), voxels.error.c_str());
+        }
     }
 
     void thinWall() // far thinner than a cell: both sides keep their own light
@@ -279,10 +347,12 @@ private Q_SLOTS:
         builder.add("Wall", boxMesh({-0.001f, -1.0f, -1.0f}, {0.001f, 1.0f, 1.0f}, Facing::out), white);
         builder.addPoint("Lamp", {0.5f, 0, 0}, glm::vec3(100.0f));
         const auto scene = share(builder.finish());
-        const test::Baked baked = test::bakeOctree(scene, quick()), grid = soundGrid(scene, quick());
+        const test::Baked baked = test::bakeOctree(scene, quick()), grid = soundGrid(scene, quick()),
+                          voxels = soundVoxels(scene);
         checkSound(baked);
         QVERIFY2(grid.error.empty(), grid.error.c_str());
-        for (const auto& field : {baked.field, grid.field}) {
+        QVERIFY2(voxels.error.empty(), voxels.error.c_str());
+        for (const auto& field : {baked.field, grid.field, voxels.field}) {
             const glm::vec3 lit = field->irradiance({0.001f, 0, 0}, {1, 0, 0});
             const glm::vec3 dark = field->irradiance({-0.001f, 0, 0}, {-1, 0, 0});
             QVERIFY2(lit.x > 10.0f && dark.x <= 1e-3f * lit.x,
@@ -302,6 +372,9 @@ private Q_SLOTS:
         QCOMPARE(meanLux(baked), 0.0); // nothing to bounce to
         QVERIFY2(grid.error.empty(), grid.error.c_str());
         QCOMPARE(meanLux(grid, *scene), 0.0);
+        const test::Baked voxels = soundVoxels(scene);
+        QVERIFY2(voxels.error.empty(), voxels.error.c_str());
+        QCOMPARE(meanLux(voxels, *scene), 0.0);
     }
 
     void sizes_data()
@@ -323,6 +396,10 @@ private Q_SLOTS:
         QVERIFY2(grid.error.empty(), grid.error.c_str());
         const double grids = meanLux(grid, *other) * factor * factor / meanLux(soundGrid(unit, quick()), *unit);
         QVERIFY2(std::abs(grids - 1.0) <= 0.01, qPrintable(QString::number(grids)));
+        const test::Baked voxels = soundVoxels(other);
+        QVERIFY2(voxels.error.empty(), voxels.error.c_str());
+        const double fields = meanLux(voxels, *other) * factor * factor / meanLux(soundVoxels(unit), *unit);
+        QVERIFY2(std::abs(fields - 1.0) <= 0.01, qPrintable(QString::number(fields)));
     }
 
     void lampsOfAllStrengths() // 1e-6 and 1e9 cd side by side, in one group and in two
@@ -339,10 +416,12 @@ private Q_SLOTS:
             std::vector<std::string> names(scene.instances.size(), "");
             for (int i = 0; i < 2; ++i) names.emplace_back(joined ? "lamps" : "");
             finishScene(scene, names);
-            const test::Baked baked = test::bakeOctree(share(scene), quick()), grid = soundGrid(share(scene), quick());
+            const test::Baked baked = test::bakeOctree(share(scene), quick()), grid = soundGrid(share(scene), quick()),
+                              voxels = soundVoxels(share(scene));
             checkSound(baked);
             QVERIFY2(grid.error.empty(), grid.error.c_str());
-            for (const auto& field : {baked.field, grid.field}) {
+            QVERIFY2(voxels.error.empty(), voxels.error.c_str());
+            for (const auto& field : {baked.field, grid.field, voxels.field}) {
                 if (joined) continue;
                 const auto weakOnly = field->withMix({glm::vec3(0.0f), glm::vec3(1.0f)});
                 const glm::vec3 lux = weakOnly->irradiance(scene.bounds.low + glm::vec3(2.0f, 0.0f, 2.0f), {0, 1, 0});
@@ -363,6 +442,32 @@ private Q_SLOTS:
             params.gatherCount = 20;
             checkSound(test::bakeOctree(share(cornellBox()), params));
         }
+        for (const int size : {1, 2, 128}) {
+            const test::Baked voxels = soundVoxels(share(cornellBox()), {}, size);
+            QVERIFY2(voxels.error.empty(), voxels.error.c_str());
+        }
+    }
+
+    void manyLamps() // a thousand in one light group, and a hundred groups of one
+    {
+        for (const bool joined : {true, false}) {
+            SceneBuilder builder("lamps");
+            const int white = builder.addMaterial("white", glm::vec3(0.5f));
+            builder.add("Box", boxMesh(glm::vec3(-1.0f), glm::vec3(1.0f), Facing::in), white);
+            const int count = joined ? 1000 : 100;
+            for (int i = 0; i < count; ++i) {
+                const float turn = 0.1f * float(i);
+                builder.addPoint("Lamp" + std::to_string(i), {0.4f * std::cos(turn), 0.2f, 0.4f * std::sin(turn)},
+                                 glm::vec3(1.0f), joined ? "all" : "");
+            }
+            const auto scene = share(builder.finish());
+            const test::Baked voxels = soundVoxels(scene);
+            QVERIFY2(voxels.error.empty(), voxels.error.c_str());
+            QCOMPARE(voxels.counters.groupsBaked, std::uint64_t(joined ? 1 : count));
+            const double truth = 4.0 * M_PI * count * 0.5 / (24.0 * 0.5), mean = meanLux(voxels, *scene);
+            // so coarse a lattice is 3.8 % too bright here, whatever the number of lamps
+            QVERIFY2(std::abs(mean - truth) <= 0.05 * truth, qPrintable(QString("%1 of %2").arg(mean).arg(truth)));
+        }
     }
 
     void lampInsideAWallAndInABox()
@@ -375,10 +480,12 @@ private Q_SLOTS:
         builder.addPoint("In the wall", {1.0f, 0, 0}, glm::vec3(100.0f));
         const auto scene = share(builder.finish());
         const Mix inner{glm::vec3(1.0f), glm::vec3(0.0f)};
-        const test::Baked baked = test::bakeOctree(scene, quick(), 2, inner), grid = soundGrid(scene, quick(), inner);
+        const test::Baked baked = test::bakeOctree(scene, quick(), 2, inner), grid = soundGrid(scene, quick(), inner),
+                          voxels = soundVoxels(scene, inner);
         checkSound(baked);
         QVERIFY2(grid.error.empty(), grid.error.c_str());
-        for (const auto& field : {baked.field, grid.field}) {
+        QVERIFY2(voxels.error.empty(), voxels.error.c_str());
+        for (const auto& field : {baked.field, grid.field, voxels.field}) {
             const glm::vec3 floor = field->irradiance({0.5f, -1.0f, 0.5f}, {0, 1, 0});
             QCOMPARE(floor, glm::vec3(0.0f)); // a closed lamp lights nothing outside its case
         }
