@@ -52,7 +52,7 @@ inline std::unique_ptr<MainWindow> makeWindow(QSettings* settings = nullptr)
 {
     auto window = std::make_unique<MainWindow>(settings);
     window->setParams(smallBake());
-    if (settings == nullptr) window->resize(1280, 640);
+    if (settings == nullptr) window->resize(1024, 560);
     window->show();
     window->activateWindow(); // shortcuts belong to the active window, and no window manager makes it so here
     if (!QTest::qWaitForWindowActive(window.get())) qWarning("the window did not become active");
