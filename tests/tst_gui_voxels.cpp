@@ -1,19 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 // Claim: key 3 shows voxel radiosity: the voxel field at once, then, while the view rests, a picture by lightcuts in
 // blocks of pixels that get smaller; another view, another mix or another lookup begin anew at once; what is measured
-// is what is shown; the panel is about voxels.
+// is what is shown; the panel is about voxels. A click looks into a voxel. Cut sizes and the voxels themselves are
+// shown in false colour, with legends.
 #include "core/base/image.h"
+#include "core/base/units.h"
 #include "core/compare/false_colour.h"
 #include "core/voxel/voxel_cuts.h"
 #include "widgets/gl/gl_probe.h"
 #include "widgets/legend_strip.h"
 #include "widgets/param_panel.h"
+#include "widgets/pick_card.h"
+#include "widgets/pick_desk.h"
 #include "widgets/picture_desk.h"
 #include "widgets/scene_dock.h"
 #include "widgets/snapshot_bar.h"
+#include "widgets/voxel_panel.h"
 #include "window_helpers.h"
 #include <QApplication>
 #include <QSlider>
+#include <QSpinBox>
 
 using namespace lightloom;
 using namespace lightloom::test;
@@ -154,6 +160,122 @@ private Q_SLOTS:
         QVERIFY(std::abs(desk.field()->irradiance(p, glm::vec3(0, 1, 0)).y / full - 0.5f) <= 1e-3f);
         QCOMPARE(window_->snapshots().shown()->snapshot.serial, serial);
         slider->setValue(100);
+    }
+
+    void voxelsAreMarked_data()
+    {
+        QTest::addColumn<QString>("command");
+        QTest::addColumn<QString>("legend");
+        QTest::newRow("radiosity") << "Voxels by radiosity"
+                                   << "lm/m";
+        QTest::newRow("area") << "Voxels by area"
+                              << "of its side";
+        QTest::newRow("normal") << "Voxels by normal"
+                                << "green +y";
+    }
+    /// Discs lie on the surface that is seen, in the colour of the entry there.
+    void voxelsAreMarked()
+    {
+        QFETCH(QString, command);
+        QFETCH(QString, legend);
+        useLookup(VoxelLookup::field);
+        actionNamed(*window_, command)->trigger();
+        const auto discs = [&] { return window_->snapshots().shown()->discs; };
+        QVERIFY(QTest::qWaitFor([&] { return window_->legend().caption().contains(legend) && discs(); }, kPatience));
+        const auto* field = dynamic_cast<const VoxelField*>(window_->snapshots().shown()->snapshot.field.get());
+        QCOMPARE(discs()->discs.size(), field->surface().leaves->entries.size());
+        QVERIFY(settle(*viewport_));
+        const QImage shown = viewport_->grabFramebuffer();
+        int seen = 0, off = 0;
+        for (std::size_t e = 0; e < discs()->discs.size(); e += 7) {
+            const VoxelDiscs::Disc& disc = discs()->discs[e];
+            QVERIFY(std::abs(disc.radius * disc.radius * kPi / field->surface().leaves->entries[e].area - 1.0f) <
+                    1e-3f);
+            const auto at = viewport_->placeIn(disc.centre);
+            if (!at || !viewport_->rect().adjusted(9, 9, -9, -9).contains(at->toPoint())) continue;
+            const auto surface = viewport_->surfaceAt(*at);
+            const bool isThere = surface && glm::length(surface->position - disc.centre) < 0.3f * discs()->cellSize &&
+                                 glm::dot(surface->normal, disc.normal) > 0.95f &&
+                                 disc.radius > 0.5f * discs()->cellSize;
+            if (!isThere) continue; // hidden, or beside other entries
+            ++seen;
+            const QRgb pixel = shown.pixel(at->toPoint());
+            const int apart = std::max({std::abs(qRed(pixel) - disc.colour.x), std::abs(qGreen(pixel) - disc.colour.y),
+                                        std::abs(qBlue(pixel) - disc.colour.z)});
+            off += apart > 40 ? 1 : 0; // they are a little clear, and below white
+        }
+        qInfo("%d of %d discs have another colour", off, seen);
+        QVERIFY(seen > 100 && off <= seen / 10); // at edges discs of nearer surface reach over them
+        QVERIFY(window_->snapshots().shown()->snapshot.field.get() == field); // pictures of it go on
+        actionNamed(*window_, "No voxels")->trigger();
+        QVERIFY(QTest::qWaitFor([&] { return !discs(); }, kPatience));
+        QVERIFY(!window_->legend().caption().contains(legend));
+    }
+
+    /// The spin box draws a direction's lines over the picture; none takes them away.
+    void linesOfADirectionAreDrawn()
+    {
+        useLookup(VoxelLookup::field);
+        auto* panel = window_->findChild<VoxelPanel*>();
+        auto* number = window_->findChild<QSpinBox*>("voxel.lines");
+        QVERIFY(panel && panel->isVisible() && number->maximum() == params().voxelDirections - 1);
+        QVERIFY(settle(*viewport_));
+        const QImage before = viewport_->grabFramebuffer();
+        number->setValue(3);
+        QVERIFY(QTest::qWaitFor([&] { return panel->aboutText().contains("pairs"); }, kPatience));
+        QVERIFY(settle(*viewport_));
+        const double apart = meanDifference(viewport_->grabFramebuffer(), before);
+        const QString about = panel->aboutText();
+        qInfo("%.2f of 255 apart; %s", apart, qPrintable(about));
+        QVERIFY(apart > 1.0);
+        number->setValue(4);
+        QVERIFY(QTest::qWaitFor([&] { return panel->aboutText() != about; }, kPatience));
+        number->setValue(-1);
+        QVERIFY(panel->aboutText().isEmpty() && settle(*viewport_));
+        QVERIFY(meanDifference(viewport_->grabFramebuffer(), before) < 0.5);
+    }
+
+    /// A click tells of the voxel what the field and the cut there say.
+    void aClickLooksIntoAVoxel()
+    {
+        useLookup(VoxelLookup::lightcuts);
+        QVERIFY(QTest::qWaitFor([&] { return viewport_->hasMadePicture(); }, kPatience));
+        window_->viewport()->useCamera(window_->scene()->cameras.front());
+        PickDesk& desk = *window_->pickDesk();
+        const QPoint floor(viewport_->width() / 3, viewport_->height() * 9 / 10);
+        QTest::mouseClick(viewport_, Qt::LeftButton, Qt::AltModifier, floor);
+        const auto hasCut = [&] { return desk.picked() && desk.picked()->voxel && desk.picked()->voxel->cut; };
+        QVERIFY(QTest::qWaitFor(hasCut, kPatience));
+        const LeafPick& leaf = *desk.picked()->leaf;
+        const PickedVoxel& voxel = *desk.picked()->voxel;
+        const auto cuts = std::dynamic_pointer_cast<const VoxelCuts>(desk.picked()->field);
+        QVERIFY(cuts && leaf.answers >= 0);
+        QCOMPARE(voxel.cells, params().voxelSize);
+        QCOMPARE(voxel.entries.size(), leaf.entries.size());
+        const Lightcut cut = cuts->cutAt(leaf.point, leaf.normal);
+        QVERIFY(voxel.cut->nodes == cut.nodes && voxel.cut->illuminance == cut.illuminance);
+        QVERIFY(cut.largestBound <= voxel.threshold * luminance(cut.illuminance) * 1.001f);
+        // the arrows of the entry that answers bring the cut's light
+        const PickedEntry& entry = leaf.entries[std::size_t(leaf.answers)];
+        glm::vec3 sum(0.0f);
+        for (const Vdl& vdl : entry.lights) sum += vdl.colour * glm::max(0.0f, glm::dot(leaf.normal, vdl.toLight));
+        QVERIFY(entry.lights.size() > 1 && entry.lights.size() <= 8);
+        QVERIFY(glm::length(sum / cut.illuminance - 1.0f) <= 0.02f);
+        const PickedVoxel::Entry& light = voxel.entries[std::size_t(leaf.answers)];
+        QVERIFY(luminance(light.indirect) > 0.0f && luminance(light.direct) > 0.0f);
+        QVERIFY(luminance(light.radiosity) < luminance(light.direct + light.indirect));
+        QVERIFY(glm::length(entry.lux - light.indirect) <= 1e-4f * glm::length(entry.lux));
+        const QString text = desk.card().lines().join('\n');
+        for (const char* part : {"Voxel", "lightcut of", "shadow rays", "by the field", "Entry 1", "lm/m"})
+            QVERIFY2(text.contains(part), qPrintable(text));
+        QCOMPARE(desk.card().labels().size(), entry.lights.size());
+        useLookup(VoxelLookup::samples);
+        QVERIFY(QTest::qWaitFor([&] { return desk.card().lines().join(' ').contains("at random"); }, kPatience));
+        useLookup(VoxelLookup::field);
+        QVERIFY(QTest::qWaitFor([&] { return !desk.card().lines().join(' ').contains("at random"); }, kPatience));
+        QVERIFY(desk.card().lines()[0].contains("Voxel") && desk.card().labels().empty());
+        actionNamed(*window_, "Pick a cell")->trigger();
+        QVERIFY(!desk.picked());
     }
 
     void samplesAreChosenByCommand()

@@ -4,6 +4,7 @@
 #include "core/photonmap/photon_map_solver.h"
 #include "core/photonmap/photon_products.h"
 #include "core/trace/photon_segments.h"
+#include "core/voxel/voxel_advice.h"
 #include "widgets/background.h"
 #include <algorithm>
 #include <thread>
@@ -30,6 +31,16 @@ std::shared_ptr<const PhotonMapField> photonsOf(const BakeJob& job, const SceneP
     const std::optional<PhotonProducts> kept = keptPhotons(job, scene, products);
     if (!kept) return nullptr;
     return photonMapField(job.params, job.scene->bounds, kept->area, kept->maps, job.mix);
+}
+
+QStringList adviceOn(const BakeView& view, const Scene& scene)
+{
+    QStringList lines;
+    const auto* field = dynamic_cast<const VoxelField*>(view.snapshot.field.get());
+    if (!field) return lines;
+    const VoxelAdvice advice = voxelAdvice(*view.rays, *view.noisePoints, *field, view.params.voxelDirections);
+    for (const std::string& line : adviceLines(advice, scene)) lines += QString::fromStdString(line);
+    return lines;
 }
 
 /// A lamp's photons that a grid's snapshot was made from; 0: no grid.
@@ -129,6 +140,7 @@ void BakeBridge::publish(Snapshot snapshot)
             if (!view.snapshot.isRough) {
                 view.noisePoints = noisePointsOf(*found, session_->products());
                 view.photons = photonsOf(job, *found, session_->products());
+                view.advice = adviceOn(view, *job.scene);
             }
         }
     }

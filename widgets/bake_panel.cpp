@@ -134,6 +134,13 @@ void BakePanel::add(const BakeView& view)
 
 void BakePanel::showNoise(const BakeView& view)
 {
+    if (view.isVoxels()) {
+        const bool isFine = view.advice.isEmpty();
+        noise_->setText(!isFine                 ? view.advice.join(QStringLiteral("<br>"))
+                        : view.snapshot.isFinal ? tr("Nothing lit was found to be too fine for these voxels")
+                                                : QString());
+        return;
+    }
     noise_->setText(view.noise ? tr("Noise: %1 % of the mean, stated by the bake").arg(100.0 * *view.noise, 0, 'f', 1)
                                : tr("Noise: not known"));
 }

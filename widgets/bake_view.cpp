@@ -2,7 +2,7 @@
 #include "widgets/bake_view.h"
 #include "core/compare/field_noise.h"
 #include "core/octree/detail_union.h"
-#include "core/voxel/voxel_field.h"
+#include "core/voxel/voxel_cuts.h"
 #include <QLocale>
 #include <QObject>
 #include <algorithm>
@@ -54,8 +54,9 @@ void addOctree(const std::shared_ptr<const LightOctree>& octree, BakeView& view)
 }
 
 /// Drawn as a colour octree of the same leaves.
-void addVoxels(const VoxelField& field, BakeView& view)
+void addVoxels(const VoxelField& field, const Look& look, BakeView& view)
 {
+    view.discs = voxelDiscs(field, look.voxels);
     Result<GpuOctree> gpu = makeGpuOctree(field.octree());
     if (!gpu) {
         view.problem = QString::fromStdString(gpu.error().message);
@@ -144,9 +145,21 @@ QString shortName(const BakeView& view)
     return name;
 }
 
+namespace {
+
+QString voxelName(const Snapshot& snapshot)
+{
+    const auto* cuts = dynamic_cast<const VoxelCuts*>(snapshot.field.get());
+    if (!cuts) return QObject::tr("Voxels, N %1").arg(snapshot.level);
+    if (cuts->show().lookup == VoxelLookup::lightcuts) return QObject::tr("Lightcuts, N %1").arg(snapshot.level);
+    return QObject::tr("%L1 of the voxels, N %2").arg(cuts->show().samples).arg(snapshot.level);
+}
+
+} // namespace
+
 QString fullName(const BakeView& view)
 {
-    if (view.isVoxels()) return QObject::tr("Voxels, N %1").arg(view.snapshot.level);
+    if (view.isVoxels()) return voxelName(view.snapshot);
     const IrradianceGrid* grid = gridOf(view.snapshot);
     if (grid == nullptr) {
         return view.snapshot.isRough ? QObject::tr("Light octree, rough")
@@ -170,14 +183,29 @@ QString fullName(const BakeView& view)
     return name;
 }
 
+namespace {
+
+/// Voxels under this mix already: another field would begin pictures by lightcuts anew.
+bool isUnder(const Mix& mix, const IndirectField& field)
+{
+    const auto* voxels = dynamic_cast<const VoxelField*>(&field);
+    if (!voxels) return false;
+    for (int g = 0; g < static_cast<int>(voxels->layers().size()); ++g)
+        if (gainOf(voxels->mix(), g) != gainOf(mix, g)) return false;
+    return true;
+}
+
+} // namespace
+
 BakeView withLook(BakeView view, const Look& look)
 {
     view.lookSerial = look.serial;
-    view.snapshot.field = view.snapshot.field->withMix(look.mix);
+    if (!isUnder(look.mix, *view.snapshot.field)) view.snapshot.field = view.snapshot.field->withMix(look.mix);
     if (view.photons) view.photons = std::static_pointer_cast<const PhotonMapField>(view.photons->withMix(look.mix));
     view.gpu.reset();
     view.gpuGrid.reset();
     view.vertices.reset();
+    view.discs.reset();
     view.gpuOfColours.reset();
     view.problem.clear();
     if (const auto octree = std::dynamic_pointer_cast<const LightOctree>(view.snapshot.field)) {
@@ -185,7 +213,7 @@ BakeView withLook(BakeView view, const Look& look)
     } else if (const auto grid = std::dynamic_pointer_cast<const IrradianceGrid>(view.snapshot.field)) {
         addGrid(grid, look, view);
     } else if (const auto* voxels = dynamic_cast<const VoxelField*>(view.snapshot.field.get())) {
-        addVoxels(*voxels, view);
+        addVoxels(*voxels, look, view);
     } else {
         view.problem = QStringLiteral("This viewport cannot show the method %1.")
                            .arg(QString::fromStdString(std::string(view.snapshot.field->method())));

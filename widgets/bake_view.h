@@ -5,8 +5,9 @@
 #include "core/photonmap/photon_map_solver.h"
 #include "core/trace/light_reach.h"
 #include "widgets/grid_vertices.h"
+#include "widgets/voxel_discs.h"
 #include <QMetaType>
-#include <QString>
+#include <QStringList>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -20,6 +21,7 @@ struct Look {
     GridShow grid; ///< of irradiance grids
     GridPacking packing = GridPacking::exact;
     VertexMarks vertices = VertexMarks::none;
+    VoxelMarks voxels = VoxelMarks::none;
     std::uint64_t serial = 0; ///< the newest is what the window wants
 };
 
@@ -32,6 +34,7 @@ struct BakeView {
     std::shared_ptr<const IndirectField> colours;  ///< an octree as a colour octree
     std::shared_ptr<const GpuOctree> gpuOfColours; ///< the same for the viewport; as `gpu`
     std::shared_ptr<const GridVertices> vertices;  ///< of a grid, where the look asks for them
+    std::shared_ptr<const VoxelDiscs> discs;       ///< likewise, of voxels
     QString problem;                               ///< why there is nothing to show; empty: there is
     std::shared_ptr<const PhotonMapField> photons; ///< that it was baked from, under the same mix; null: not known
     BakeParams params;                             ///< that it was baked with, and is looked at
@@ -40,6 +43,7 @@ struct BakeView {
     std::shared_ptr<const LightSampler> lights;                   ///< of the same scene
     std::shared_ptr<const LightReach> reach;                      ///< likewise
     std::shared_ptr<const std::vector<SurfacePoint>> noisePoints; ///< where noise is asked for; null: nowhere
+    QStringList advice;               ///< what of the scene is too fine for voxels, a sentence each
     std::optional<double> noise;      ///< what the bake itself states, a fraction of the mean, under its mix
     std::uint64_t photonsPerLamp = 0; ///< of a grid, so far; 0: not known
     double cpuSeconds = 0; ///< of all threads, until this was published; what was kept counts as it cost then
@@ -70,7 +74,8 @@ enum class GridText { full, brief }; ///< brief: of a finer grid inside no more 
 /// A refinement in a word or two, by what tells it from others: "rough", "d5"; of a grid its cells, photons a lamp and,
 /// where it is not the usual one, its form: "N 32, 400k", "N 48 + 96, 2M, flux"; of voxels "N 64".
 [[nodiscard]] QString shortName(const BakeView& view);
-/// The same in words: "Light octree, depth 5", "Irradiance grid, N 32, 400,000 photons a lamp, joined, tricubic".
+/// The same in words: "Light octree, depth 5", "Lightcuts, N 64", "Irradiance grid, N 32, 400,000 photons a lamp,
+/// joined, tricubic".
 [[nodiscard]] QString fullName(const BakeView& view);
 
 /// `view` looked at in another way. Any thread; a few milliseconds to some hundred for the largest bakes.

@@ -31,7 +31,11 @@ QString captionOf(const ViewError& error)
 
 HeatmapStyle scaleOf(const ViewError& error)
 {
-    return {error.kind, error.top, error.kind == ErrorKind::absolute ? LegendUnit::lux : LegendUnit::percent, {}};
+    HeatmapStyle scale;
+    scale.kind = error.kind;
+    scale.top = error.top;
+    scale.unit = error.kind == ErrorKind::absolute ? LegendUnit::lux : LegendUnit::percent;
+    return scale;
 }
 
 } // namespace
@@ -223,11 +227,16 @@ void CompareDesk::tellLegend()
     const bool isMade = mode == ViewMode::photonMap || mode == ViewMode::lightcuts;
     const bool isNoteAlone = !note_.isEmpty() && !shown_ && !isReference && !isMade;
     parts_.legend->setVisible(shown_ || isReference || isMade || isNoteAlone);
-    if (isNoteAlone) return parts_.legend->show({}, note_);
+    if (isNoteAlone) return parts_.legend->show(noteScale_, note_);
     if (isMade && !shown_) {
-        parts_.legend->show(pictureScale_, pictureState_);
+        const bool isMarked = !note_.isEmpty() && !pictureScale_;
+        parts_.legend->show(isMarked ? noteScale_ : pictureScale_,
+                            isMarked ? tr("%1\n%2").arg(note_, pictureState_) : pictureState_);
     } else if (shown_ && error_) {
-        parts_.legend->show(scaleOf(*error_), captionOf(*error_));
+        const QString caption = captionOf(*error_);
+        const bool isRough = errorBlock_ > 1;
+        parts_.legend->show(scaleOf(*error_),
+                            isRough ? tr("%1, in blocks of %2 pixels so far").arg(caption).arg(errorBlock_) : caption);
     } else if (shown_ || !picture_) {
         parts_.legend->show({}, tr("Light of the bake meanwhile. Reference: %1").arg(parts_.panel->stateText()));
     } else {
@@ -235,9 +244,10 @@ void CompareDesk::tellLegend()
     }
 }
 
-void CompareDesk::showNote(const QString& text)
+void CompareDesk::showNote(const QString& text, const std::optional<HeatmapStyle>& scale)
 {
     note_ = text;
+    noteScale_ = scale;
     tellLegend();
 }
 
@@ -275,6 +285,7 @@ void CompareDesk::take(const ErrorPicture& picture)
         tellState();
     }
     error_ = picture.error;
+    errorBlock_ = picture.block;
     parts_.viewport->setErrors(error_);
     parts_.panel->show(picture, fullName(view_));
     tellLegend();

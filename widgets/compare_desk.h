@@ -36,8 +36,9 @@ public:
     void setBaking(bool isBaking); ///< and not paused
     /// What is shown in place of light; nothing: light.
     void showErrors(std::optional<ErrorKind> kind);
-    void modeChanged();                 ///< the viewport's
-    void showNote(const QString& text); ///< under the picture, where nothing else is to be said there; empty: none
+    void modeChanged(); ///< the viewport's
+    /// What colours over the picture mean, under it; beside what is said there of a made picture. Empty: nothing.
+    void showNote(const QString& text, const std::optional<HeatmapStyle>& scale);
     /// In the legend, while the processor makes the picture; with the scale of what is shown of it in false colour.
     void showPictureState(const QString& text, const std::optional<HeatmapStyle>& scale);
     void showCuts(bool on); ///< in place of light: what the picture took, which needs no reference
@@ -72,11 +73,12 @@ private:
     std::optional<ErrorKind> shown_;
     QString problem_; ///< why no reference can be traced; empty: it can
     QString pictureState_, note_;
-    std::optional<HeatmapStyle> pictureScale_;
+    std::optional<HeatmapStyle> pictureScale_, noteScale_;
     bool cutsShown_ = false;
     std::uint64_t serial_ = 0; ///< of the question that fits what is seen; 0: none was asked
     std::optional<ReferencePicture> picture_;
     std::shared_ptr<const ViewError> error_;
+    int errorBlock_ = 1; ///< ErrorPicture::block
     bool isBaking_ = false, wasTracing_ = false;
 };
 

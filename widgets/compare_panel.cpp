@@ -147,7 +147,8 @@ void ComparePanel::show(const ErrorPicture& picture, const QString& judged)
         return;
     }
     const ErrorMetrics& m = picture.error->metrics;
-    judged_->setText(judged);
+    judged_->setText(picture.block > 1 ? tr("%1, in blocks of %2 pixels so far").arg(judged).arg(picture.block)
+                                       : judged);
     if (picture.error->noise > kNoisy * m.relRmse)
         judged_->setText(tr("%1; noise of the reference still counts").arg(judged_->text()));
     for (std::size_t i = 0; i < kFigures.size(); ++i)

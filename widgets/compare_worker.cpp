@@ -147,6 +147,7 @@ void CompareWorker::tellError(const Desk& desk)
     ErrorPicture picture;
     picture.serial = desk.serial;
     picture.snapshot = desk.snapshot;
+    picture.block = desk.live->block();
     if (*error) {
         picture.error = std::make_shared<const ViewError>(**error);
     } else {

@@ -26,6 +26,7 @@ struct ErrorPicture {
     QString problem;
     std::uint64_t serial = 0; ///< of the reference's question
     Snapshot snapshot;        ///< what was judged
+    int block = 1;            ///< side of the squares of pixels that share its light so far
     bool isGivenUp = false;   ///< the question is dropped, and why stands in `problem`
 };
 

@@ -35,17 +35,12 @@ void LegendStrip::show(const std::optional<HeatmapStyle>& scale, const QString& 
     update();
 }
 
-float LegendStrip::valueAt(float part) const
-{
-    return scale_->top * (scale_->kind == ErrorKind::difference ? 2.0f * part - 1.0f : part);
-}
-
 QStringList LegendStrip::ticks() const
 {
     QStringList texts;
     if (!scale_) return texts;
     for (int i = 0; i < kTicks; ++i) {
-        const float value = valueAt(static_cast<float>(i) / (kTicks - 1));
+        const float value = scale_->valueAt(static_cast<float>(i) / (kTicks - 1));
         texts += QString::fromStdString(legendText(value, scale_->unit, scale_->kind == ErrorKind::difference));
     }
     return texts;
@@ -65,8 +60,8 @@ void LegendStrip::paintEvent(QPaintEvent*)
     const int left = kMargin + metrics.horizontalAdvance(texts.first()) / 2;
     const int most = (width() - left) / 2, length = std::min(360, most - kMargin), top = 5;
     for (int x = 0; x <= length; ++x) {
-        const float value = valueAt(static_cast<float>(x) / static_cast<float>(length));
-        painter.fillRect(left + x, top, 1, kBarHeight, shownColour(errorColour(scale_->kind, value, scale_->top)));
+        const glm::vec3 colour = scale_->colourOf(scale_->valueAt(static_cast<float>(x) / static_cast<float>(length)));
+        painter.fillRect(left + x, top, 1, kBarHeight, shownColour(colour));
     }
     const int numbers = top + kBarHeight + kTick;
     // the ends first, then the middle, then the rest: a narrow window drops numbers that would run into others

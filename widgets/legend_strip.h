@@ -21,8 +21,6 @@ protected:
     void paintEvent(QPaintEvent* event) override;
 
 private:
-    [[nodiscard]] float valueAt(float part) const;
-
     std::optional<HeatmapStyle> scale_;
     QString caption_;
 };

@@ -22,6 +22,7 @@
 #include "widgets/sweep_panel.h"
 #include "widgets/view_worker.h"
 #include "widgets/viewport.h"
+#include "widgets/voxel_panel.h"
 #include <QAction>
 #include <QCloseEvent>
 #include <QCoreApplication>
@@ -262,6 +263,7 @@ void MainWindow::setScene(std::shared_ptr<const DrawData> opened, const QString&
         }
     }
     sweepPanel_->setScene(data_->scene, file);
+    voxelPanel_->setView({});
     if (compareDesk_ != nullptr) {
         pictureDesk_->forget();
         atlasDesk_->forget();

@@ -43,6 +43,7 @@ class StartPage;
 class SweepPanel;
 class ViewWorker;
 class Viewport;
+class VoxelPanel;
 struct LampSetting;
 struct ExportOrder;
 struct Progress;
@@ -149,6 +150,8 @@ private:
     void useFilter(GridFilter filter);
     void useForm(GridRemap remap, GridPacking packing);
     void markVertices(VertexMarks marks);
+    [[nodiscard]] QString vertexNote() const; ///< what their colours mean
+    void tellMarks();                         ///< the same of whatever marks the picture
     void addGridMenu(QMenu& view);
     void addVoxelMenu(QMenu& view);
     void makeGuestActions();
@@ -230,6 +233,7 @@ private:
     ComparePanel* comparePanel_ = nullptr;
     LegendStrip* legend_ = nullptr;
     SweepPanel* sweepPanel_ = nullptr;
+    VoxelPanel* voxelPanel_ = nullptr;
     ExportDialog* exportDialog_ = nullptr;
     QDoubleSpinBox* exposure_ = nullptr;
     QLabel *statusStage_ = nullptr, *statusLux_ = nullptr, *statusFrame_ = nullptr, *statusSize_ = nullptr,
@@ -242,7 +246,7 @@ private:
             *pick_ = nullptr, *swapFilters_ = nullptr, *nextVertices_ = nullptr, *export_ = nullptr,
             *lampTool_ = nullptr, *saveScene_ = nullptr, *cuts_ = nullptr;
     QActionGroup *modes_ = nullptr, *shown_ = nullptr, *tones_ = nullptr, *filters_ = nullptr, *forms_ = nullptr,
-                 *vertices_ = nullptr, *lookups_ = nullptr;
+                 *vertices_ = nullptr, *lookups_ = nullptr, *voxelMarks_ = nullptr;
     QList<QAction*> addGuests_; ///< one for each kind of object, and for files
     QAction* removeGuest_ = nullptr;
     QList<QAction*> bakeModes_; ///< those of `modes_` that show a bake

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Ways to look at irradiance grids: the filter between vertices, what is kept of their vectors.
-#include "widgets/compare_desk.h"
 #include "widgets/main_window.h"
 #include <QAction>
 #include <QActionGroup>
@@ -63,10 +62,11 @@ void MainWindow::makeGridActions()
              VertexMarks::openness);
     addMarks(tr("Vertices by nois&e"), tr("Mark the grid's vertices by the noise of their light"), VertexMarks::noise);
     nextVertices_ = makeAction(tr("Mark &vertices"), QKeySequence(Qt::Key_V),
-                               tr("A grid's vertices by openness, by noise, not at all"));
+                               tr("A grid's vertices by openness, by noise, not at all; voxels likewise"));
     connect(nextVertices_, &QAction::triggered, this, [this] {
-        const auto all = vertices_->actions();
-        all[(all.indexOf(vertices_->checkedAction()) + 1) % all.size()]->trigger();
+        const QActionGroup* marks = method_ == Method::voxelLightcuts ? voxelMarks_ : vertices_;
+        const auto all = marks->actions();
+        all[(all.indexOf(marks->checkedAction()) + 1) % all.size()]->trigger();
     });
     showGridLook();
 }
@@ -75,13 +75,13 @@ void MainWindow::markVertices(VertexMarks marks)
 {
     look_.vertices = marks;
     lookChanged();
-    if (compareDesk_ == nullptr) return;
-    QString note;
-    if (marks == VertexMarks::openness)
-        note = tr("Vertices: green open, yellow in part,\norange too little, red in walls");
-    if (marks == VertexMarks::noise)
-        note = tr("Noise of vertices: from 0 (dark)\nto %1 % and more (pale)").arg(100.0f * kMostVertexNoise);
-    compareDesk_->showNote(note);
+}
+
+QString MainWindow::vertexNote() const
+{
+    if (look_.vertices == VertexMarks::openness)
+        return tr("Vertices: green open, yellow in part,\norange too little, red in walls");
+    return tr("Noise of vertices: from 0 (dark)\nto %1 % and more (pale)").arg(100.0f * kMostVertexNoise);
 }
 
 void MainWindow::addGridMenu(QMenu& view)

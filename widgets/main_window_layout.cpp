@@ -11,6 +11,7 @@
 #include "widgets/snapshot_bar.h"
 #include "widgets/start_page.h"
 #include "widgets/viewport.h"
+#include "widgets/voxel_panel.h"
 #include <QAction>
 #include <QActionGroup>
 #include <QDockWidget>
@@ -182,6 +183,10 @@ void MainWindow::buildDocks()
     auto* column = new QVBoxLayout(inside);
     column->setContentsMargins(0, 0, 0, 0);
     column->addWidget(bakePanel_);
+    voxelPanel_ = new VoxelPanel(worker_);
+    voxelPanel_->setViewport(viewport_);
+    voxelPanel_->hide();
+    column->addWidget(voxelPanel_);
     column->addWidget(paramPanel_, 1);
     setTabPosition(Qt::RightDockWidgetArea, QTabWidget::North);
     QDockWidget* bake = addDock(tr("Bake"), "bakeDock", scrolled(inside), Qt::RightDockWidgetArea);

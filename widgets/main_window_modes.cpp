@@ -11,6 +11,7 @@
 #include "widgets/sweep_panel.h"
 #include "widgets/view_worker.h"
 #include "widgets/viewport.h"
+#include "widgets/voxel_panel.h"
 #include <QAction>
 
 namespace lightloom {
@@ -54,8 +55,10 @@ void MainWindow::judgeView()
     if (compareDesk_ != nullptr && view != nullptr && view->lookSerial == look_.serial) {
         pictureDesk_->setView(*view);
         atlasDesk_->setView(*view);
-        pickDesk_->setView(*view);
+        pickDesk_->setView(view->isVoxels() ? asShown(*view) : *view);
         compareDesk_->setView(asShown(*view));
+        tellMarks();
+        voxelPanel_->setView(*view);
         measure();
     }
 }

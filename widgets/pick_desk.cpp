@@ -2,10 +2,10 @@
 #include "widgets/pick_desk.h"
 #include "core/base/units.h"
 #include "widgets/pick_card.h"
+#include "widgets/pick_text.h"
 #include "widgets/view_worker.h"
 #include "widgets/viewport.h"
 #include <QAction>
-#include <QLocale>
 
 namespace lightloom {
 
@@ -13,11 +13,6 @@ namespace {
 
 const glm::vec4 kBox(1.0f, 1.0f, 1.0f, 1.0f), kNormal(0.55f, 0.85f, 0.4f, 1.0f), kDot(0.35f, 0.75f, 1.0f, 1.0f),
     kArrow(1.0f, 0.75f, 0.2f, 1.0f), kOther(1.0f, 0.75f, 0.2f, 0.45f);
-
-QString luxText(float lux)
-{
-    return QLocale().toString(static_cast<double>(lux), 'f', lux < 10.0f ? 2 : lux < 100.0f ? 1 : 0);
-}
 
 void addBox(const LeafPick& leaf, std::vector<Mark>& marks)
 {
@@ -73,12 +68,6 @@ float mostOf(const LeafPick& leaf)
     return most;
 }
 
-/// What a light gives the entry's own surface.
-float luxOf(const PickedEntry& entry, const Vdl& vdl)
-{
-    return luminance(vdl.colour) * glm::max(0.0f, glm::dot(entry.surface.normal, vdl.toLight));
-}
-
 std::vector<Mark> marksOf(const PickedLeaf& picked, float reach)
 {
     std::vector<Mark> marks;
@@ -97,42 +86,6 @@ std::vector<Mark> marksOf(const PickedLeaf& picked, float reach)
         }
     }
     return marks;
-}
-
-QStringList textOf(const PickedLeaf& picked)
-{
-    if (!picked.leaf) return {QObject::tr("No cell of the octree here")};
-    const LeafPick& leaf = *picked.leaf;
-    QStringList lines{QObject::tr("Depth %1, cell %2 %3 %4, %5 m wide")
-                          .arg(leaf.depth)
-                          .arg(leaf.cell.x)
-                          .arg(leaf.cell.y)
-                          .arg(leaf.cell.z)
-                          .arg(static_cast<double>(leaf.high.x - leaf.low.x), 0, 'g', 3)};
-    lines += leaf.isLit
-                 ? QObject::tr("%1 lx indirect at the point, between neighbours").arg(luxText(luminance(leaf.lux)))
-                 : QObject::tr("No entry answers here");
-    for (std::size_t e = 0; e < leaf.entries.size(); ++e) {
-        const PickedEntry& entry = leaf.entries[e];
-        QStringList lights;
-        for (const Vdl& vdl : entry.lights) lights += luxText(luxOf(entry, vdl));
-        const glm::vec3 n = entry.surface.normal;
-        lines += QObject::tr("%1 Entry %2, facing %3 %4 %5: %6 lx")
-                     .arg(static_cast<int>(e) == leaf.answers ? QStringLiteral("\u25b8") : QStringLiteral("  "))
-                     .arg(e + 1)
-                     .arg(static_cast<double>(n.x), 0, 'f', 2)
-                     .arg(static_cast<double>(n.y), 0, 'f', 2)
-                     .arg(static_cast<double>(n.z), 0, 'f', 2)
-                     .arg(luxText(luminance(entry.lux)));
-        const QString sum = lights.join(QStringLiteral(" + "));
-        lines += lights.isEmpty()     ? QObject::tr("     no lights")
-                 : lights.size() == 1 ? QObject::tr("     1 light: %1 lx").arg(sum)
-                                      : QObject::tr("     %1 lights: %2 lx").arg(lights.size()).arg(sum);
-    }
-    if (!picked.photons.empty()) {
-        lines += QObject::tr("%L1 photons gathered for it").arg(static_cast<qulonglong>(picked.photons.size()));
-    }
-    return lines;
 }
 
 } // namespace
@@ -184,7 +137,7 @@ void PickDesk::take(const PickedLeaf& leaf)
     picked_ = leaf;
     if (leaf.leaf) reach_ = reachOf(leaf, viewport_->camera().eye());
     viewport_->setMarks(marksOf(leaf, reach_));
-    card_->setLines(textOf(leaf));
+    card_->setLines(pickText(leaf));
     placeLabels();
     Q_EMIT shown();
 }
@@ -198,7 +151,7 @@ void PickDesk::placeLabels()
         if (static_cast<int>(e) != leaf.answers) continue;
         for (const Vdl& vdl : leaf.entries[e].lights) {
             const auto at = viewport_->placeIn(tipOf(leaf.entries[e], vdl, mostOf(leaf), reach_));
-            if (at) labels.push_back({*at + QPointF(6, 0), tr("%1 lx").arg(luxText(luxOf(leaf.entries[e], vdl)))});
+            if (at) labels.push_back({*at + QPointF(6, 0), tr("%1 lx").arg(luxOfText(leaf.entries[e], vdl))});
         }
     }
     card_->setLabels(std::move(labels));

@@ -13,9 +13,9 @@ class PickCard;
 class ViewWorker;
 class Viewport;
 
-/// Shows what the octree keeps at a point that was picked: the leaf's cell as a wire box, its lights as arrows with
-/// their lux, the photons gathered for it as dots, and all of it as text. Follows the snapshot and the mix that are
-/// shown.
+/// Shows what octree or voxels keep at a point that was picked: the cell as a wire box, its lights (of voxels, where a
+/// lightcut's light comes from) as arrows with their lux, the photons gathered for it as dots, and all of it as text.
+/// Follows the snapshot and the mix that are shown.
 class PickDesk final : public QObject {
     Q_OBJECT
 public:

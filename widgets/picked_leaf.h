@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "core/octree/leaf_pick.h"
+#include "core/voxel/voxel_cuts.h"
 #include <QMetaType>
 #include <cstdint>
 
@@ -8,9 +9,26 @@ namespace lightloom {
 
 struct BakeView;
 
+/// What voxels know beside what a leaf of an octree does.
+struct PickedVoxel {
+    struct Entry {
+        glm::vec3 direct{0.0f}, indirect{0.0f}; ///< lux that fall on it
+        glm::vec3 radiosity{0.0f};              ///< lm/m2 that it sends on
+    };
+    int cells = 0;               ///< along the longest side of the scene
+    std::vector<Entry> entries;  ///< as those of the leaf
+    std::optional<Lightcut> cut; ///< that lights the point; nothing: another lookup does
+    float threshold = 0.0f;      ///< of the cut
+    int samples = 0;             ///< voxels at random that light the point; 0: another lookup does
+    glm::vec3 lux{0.0f};         ///< of these
+};
+
 /// A leaf that was picked in the viewport, and where its light came from.
 struct PickedLeaf {
-    std::optional<LeafPick> leaf;               ///< nothing: the point lies in none
+    /// Nothing: the point lies in none. Of voxels by lightcuts the entry that answers has the point's light, in at most
+    /// eight directions.
+    std::optional<LeafPick> leaf;
+    std::optional<PickedVoxel> voxel;           ///< nothing: the leaf is an octree's
     std::vector<glm::vec3> photons;             ///< gathered for the entry that answers, all lamps that are on
     std::shared_ptr<const IndirectField> field; ///< that was asked
 };

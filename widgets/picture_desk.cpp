@@ -58,6 +58,7 @@ void PictureDesk::setShow(const VoxelShow& show)
     field_.reset();
     worker_.cancel();
     viewChanged();
+    Q_EMIT fieldChanged(); // until there is a picture it is the voxels' own light again
 }
 
 void PictureDesk::setBaking(bool isBaking)
@@ -135,7 +136,11 @@ void PictureDesk::showCuts(bool on)
 std::optional<HeatmapStyle> PictureDesk::cutScale() const
 {
     if (!cutsShown_ || !hasCuts() || !picture_.cuts) return {};
-    return HeatmapStyle{ErrorKind::absolute, picture_.cuts->top(), LegendUnit::plain, {}};
+    HeatmapStyle scale;
+    scale.kind = ErrorKind::absolute;
+    scale.top = picture_.cuts->top();
+    scale.unit = LegendUnit::plain;
+    return scale;
 }
 
 QString PictureDesk::stateText() const { return isOfVoxels() ? voxelText() : photonText(); }
@@ -156,7 +161,7 @@ QString PictureDesk::voxelText() const
 
 QString PictureDesk::cutText() const
 {
-    const QString text = tr("Clusters in a cut: %L1 on average, 99 % of the pixels have at most %L2, all %L3")
+    const QString text = tr("Clusters in a cut: mean %L1, in 99 % of pixels up to %L2, most %L3")
                              .arg(std::lround(picture_.cuts->mean))
                              .arg(picture_.cuts->p99)
                              .arg(picture_.cuts->most);

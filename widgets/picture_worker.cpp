@@ -6,9 +6,10 @@ namespace lightloom {
 
 namespace {
 
-constexpr int kRoughly = 4;          ///< a rough picture of a photon map is smaller by this, each way
-constexpr int kBlocks[] = {2, 4, 8}; ///< sides of blocks of pixels in pictures by lightcuts, the last one first
-constexpr int kRoughShadows = 16;    ///< shadow rays per shining surface and pixel in these
+constexpr int kRoughly = 4;           ///< a rough picture of a photon map is smaller by this, each way
+constexpr int kBlock = 2;             ///< side of blocks of pixels in rough pictures by lightcuts
+constexpr int kSmaller[] = {1, 2, 4}; ///< these are smaller by, each way, the last one first: direct light is dear too
+constexpr int kRoughShadows = 16;     ///< shadow rays per shining surface and pixel in these
 constexpr double kFirstSlice = 0.2, kLastSlice = 1.5, kGrows = 0.2; ///< seconds; part of all before
 constexpr auto kTellEvery = std::chrono::milliseconds(200);
 
@@ -112,8 +113,12 @@ void PictureWorker::work(const std::stop_token& quit)
 void PictureWorker::takeUp(PictureQuestion question, Desk& desk)
 {
     desk.question = std::move(question);
-    desk.field.reset();
     desk.pictures.clear();
+    const bool isSame =
+        desk.question->voxels && desk.question->voxels == desk.voxels && desk.question->show == desk.show;
+    if (isSame && desk.field) return; // another view of the same lights
+    desk.field.reset();
+    desk.voxels.reset();
     const auto& photons = desk.question->photons;
     if (!desk.question->voxels && fit(desk.cached, *photons))
         desk.field = std::make_shared<PhotonMapField>(photons->area(), desk.cached, photons->mix());
@@ -123,6 +128,8 @@ void PictureWorker::fill(Desk& desk, Workers& workers, const std::stop_token& qu
 {
     if (desk.question->voxels) {
         desk.field = std::make_shared<VoxelCuts>(desk.question->voxels, desk.question->lights, desk.question->show);
+        desk.voxels = desk.question->voxels;
+        desk.show = desk.question->show;
         return;
     }
     std::stop_source stop;
@@ -159,26 +166,28 @@ void PictureWorker::draw(Desk& desk, Workers& workers, const std::stop_token& st
             const Mix& mix = q.voxels ? q.voxels->mix() : q.photons->mix();
             desk.pictures.emplace_back(q.rays, q.lights, mix, desk.field, std::move(job));
         };
+        const auto addSmaller = [&](ViewJob job, int times) {
+            job.width = std::max(1, job.width / times);
+            job.height = std::max(1, job.height / times);
+            add(std::move(job));
+        };
         add(q.job);
         ViewJob rough = q.job;
-        for (const int block : kBlocks) {
-            if (!q.voxels) break;
-            rough.block = block;
+        if (q.voxels) {
+            rough.block = kBlock;
             rough.samples = 1;
             rough.directSamples = kRoughShadows;
-            add(rough);
-        }
-        if (!q.voxels) {
-            rough.width = std::max(1, rough.width / kRoughly);
-            rough.height = std::max(1, rough.height / kRoughly);
-            add(rough);
+            for (const int times : kSmaller) addSmaller(rough, times);
+        } else {
+            addSmaller(rough, kRoughly);
         }
     }
     ProgressiveView& making = desk.pictures.back();
     const double seconds = std::clamp(kGrows * making.seconds(), kFirstSlice, kLastSlice);
     View view = making.advance(seconds, workers, stop);
     if (view.samples == 0 || (stop.stop_requested() && !view.isWhole)) return; // part of a camera ray per pixel
-    const int block = making.job().block;
+    // in pixels of the window
+    const int block = making.job().block * (q.voxels ? std::max(1, q.job.width / making.job().width) : 1);
     if (desk.pictures.size() > 1) desk.pictures.pop_back();
     const auto cuts = view.cutSizes.empty() ? nullptr : std::make_shared<const CutMap>(cutMap(view));
     Q_EMIT shown({std::make_shared<const View>(std::move(view)), desk.field, 1.0, cuts, block, desk.serial, {}});

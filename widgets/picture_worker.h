@@ -30,7 +30,7 @@ struct MadePicture {
     std::shared_ptr<const IndirectField> field; ///< that it shows: a map with its cache, or cuts; null likewise
     double filled = 0.0;                        ///< part of a photon map's cache, 0 to 1
     std::shared_ptr<const CutMap> cuts;         ///< of a picture by lightcuts; else null
-    int block = 1;                              ///< ViewJob::block
+    int block = 1;                              ///< pixels of the window, each way, that share their light
     std::uint64_t serial = 0;                   ///< of its question
     QString problem;                            ///< why there will be none; empty: there will
 };
@@ -59,7 +59,9 @@ private:
         std::uint64_t serial = 0;
         std::vector<PhotonMapField::Layer> cached; ///< of the photons that were asked for last
         std::shared_ptr<const IndirectField> field;
-        std::vector<ProgressiveView> pictures; ///< still to be made, the finest first
+        std::shared_ptr<const VoxelField> voxels; ///< that the field was made of; null: of photons
+        VoxelShow show;                           ///< likewise
+        std::vector<ProgressiveView> pictures;    ///< still to be made, the finest first
         [[nodiscard]] bool isDone() const { return pictures.size() == 1 && pictures.front().isWhole(); }
     };
     void work(const std::stop_token& quit);

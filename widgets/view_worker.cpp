@@ -57,12 +57,21 @@ void ViewWorker::pick(BakeView view, glm::vec3 p, glm::vec3 n)
     wake_.notify_one();
 }
 
+void ViewWorker::lines(BakeView view, int direction)
+{
+    std::lock_guard lock(mutex_);
+    lines_ = LineRequest{std::move(view), direction};
+    wake_.notify_one();
+}
+
 void ViewWorker::work(const std::stop_token& quit)
 {
     const FlushDenormals flush;
+    LineVoxels lineVoxels;
     while (true) {
         std::unique_lock lock(mutex_);
-        if (!wake_.wait(lock, quit, [this] { return look_ || measure_ || pick_; }) || quit.stop_requested()) return;
+        const auto isAsked = [this] { return look_ || measure_ || pick_ || lines_; };
+        if (!wake_.wait(lock, quit, isAsked) || quit.stop_requested()) return;
         if (look_) {
             LookRequest request = std::move(*look_);
             look_.reset();
@@ -73,6 +82,11 @@ void ViewWorker::work(const std::stop_token& quit)
             pick_.reset();
             lock.unlock();
             Q_EMIT picked(pickedLeaf(request.view, request.p, request.n));
+        } else if (lines_) {
+            const LineRequest request = std::move(*lines_);
+            lines_.reset();
+            lock.unlock();
+            Q_EMIT lined(voxelLineMarks(request.view, request.direction, lineVoxels));
         } else {
             const MeasureRequest request = std::move(*measure_);
             measure_.reset();

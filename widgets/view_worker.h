@@ -2,6 +2,7 @@
 #pragma once
 #include "widgets/bake_view.h"
 #include "widgets/picked_leaf.h"
+#include "widgets/voxel_line_marks.h"
 #include <QObject>
 #include <condition_variable>
 #include <mutex>
@@ -11,7 +12,8 @@
 namespace lightloom {
 
 /// One thread beside the bake for what the viewport asks for: the same light looked at in another way, the illuminance
-/// under the cursor, a leaf that was picked. Of each kind the newest request wins; looks come first. Shoots no photons.
+/// under the cursor, a leaf that was picked, lines through voxels. Of each kind the newest request wins; looks come
+/// first. Shoots no photons.
 class ViewWorker final : public QObject {
     Q_OBJECT
 public:
@@ -22,10 +24,14 @@ public:
     /// Illuminance at `p` facing `n` from the view's field, and from its lamps with shadow rays under `mix`.
     void measure(BakeView view, Mix mix, glm::vec3 p, glm::vec3 n);
 
-    /// What the view's octree keeps at `p` facing `n`.
+    /// What the view's octree or voxels keep at `p` facing `n`.
     void pick(BakeView view, glm::vec3 p, glm::vec3 n);
 
+    /// Lines of direction number `direction` through the view's voxels.
+    void lines(BakeView view, int direction);
+
 Q_SIGNALS:
+    void lined(lightloom::VoxelLineMarks lines);
     void looked(lightloom::BakeView view);
     void measured(lightloom::Measurement measurement);
     void picked(lightloom::PickedLeaf leaf);
@@ -44,6 +50,10 @@ private:
         BakeView view;
         glm::vec3 p, n;
     };
+    struct LineRequest {
+        BakeView view;
+        int direction = -1;
+    };
     void work(const std::stop_token& quit);
 
     std::mutex mutex_;
@@ -51,6 +61,7 @@ private:
     std::optional<LookRequest> look_;
     std::optional<MeasureRequest> measure_;
     std::optional<PickRequest> pick_;
+    std::optional<LineRequest> lines_;
     std::jthread thread_; // last: it uses all of the above
 };
 

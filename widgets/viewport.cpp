@@ -88,6 +88,7 @@ void Viewport::setScene(std::shared_ptr<const DrawData> drawn, bool keepCamera)
     octree_.reset();
     grid_.reset();
     vertices_.reset();
+    discs_.reset();
     guest_.reset();
     colours_.reset();
     reference_.reset();
@@ -131,6 +132,7 @@ void Viewport::setLight(const BakeView& view)
     octree_ = view.gpu;
     grid_ = view.gpuGrid;
     vertices_ = view.vertices;
+    discs_ = view.discs;
     colours_ = view.gpuOfColours;
     bakeIsNew_ = coloursAreNew_ = true;
     news();
@@ -211,6 +213,14 @@ void Viewport::setLampMarks(std::vector<Mark> marks)
 {
     if (marks.empty() && lampMarks_.empty()) return;
     lampMarks_ = std::move(marks);
+    marksAreNew_ = true;
+    present();
+}
+
+void Viewport::setLineMarks(std::vector<Mark> marks)
+{
+    if (marks.empty() && lineMarks_.empty()) return;
+    lineMarks_ = std::move(marks);
     marksAreNew_ = true;
     present();
 }
@@ -360,7 +370,10 @@ void Viewport::applyPending()
     if (guestIsNew_) renderer_->setGuest(guest_);
     renderer_->setGuestPlace(guestPlace_);
     guestIsNew_ = false;
-    if (bakeIsNew_) renderer_->vertices().setVertices(vertices_);
+    if (bakeIsNew_) {
+        renderer_->vertices().setVertices(vertices_);
+        renderer_->discs().setDiscs(discs_);
+    }
     if (outcome && bakeIsNew_) outcome = grid_ ? renderer_->setGrid(grid_) : renderer_->setOctree(octree_);
     if (outcome && coloursAreNew_ && mode_ == ViewMode::colours) { // not before somebody looks
         outcome = renderer_->setColours(colours_);
@@ -376,7 +389,8 @@ void Viewport::applyPending()
     }
     if (mixIsNew_ || lampsAreNew_ || sceneIsNew_) renderer_->setMix(mix_);
     if (marksAreNew_) {
-        std::vector<Mark> marks = marks_;
+        std::vector<Mark> marks = lineMarks_; // the rest lies over them
+        marks.insert(marks.end(), marks_.begin(), marks_.end());
         marks.insert(marks.end(), lampMarks_.begin(), lampMarks_.end());
         renderer_->marks().setMarks(std::move(marks));
     }

@@ -58,6 +58,7 @@ public:
     void setPicking(bool on);                   ///< the next click of the left button picks; Alt+click always does
     void setMarks(std::vector<Mark> marks);     ///< drawn over the picture
     void setLampMarks(std::vector<Mark> marks); ///< likewise, and apart from the others
+    void setLineMarks(std::vector<Mark> marks); ///< likewise
     /// Where a point of the scene stands in the widget; nothing behind the eye.
     [[nodiscard]] std::optional<QPointF> placeIn(glm::vec3 p) const;
     [[nodiscard]] SightLine sightAt(QPointF position) const;
@@ -148,6 +149,7 @@ private:
     std::shared_ptr<const GpuOctree> octree_, colours_;
     std::shared_ptr<const GpuGrid> grid_; ///< the bake, where it is no octree
     std::shared_ptr<const GridVertices> vertices_;
+    std::shared_ptr<const VoxelDiscs> discs_;
     std::shared_ptr<const DrawData> guest_;
     glm::mat4 guestPlace_{1.0f};
     bool guestIsNew_ = false;
@@ -160,7 +162,7 @@ private:
     bool errorsShown_ = false, cutsShown_ = false, referenceIsNew_ = false, madeIsNew_ = false, mapIsNew_ = false,
          presentOnly_ = false;
     std::optional<float> wipe_;
-    std::vector<Mark> marks_, lampMarks_;
+    std::vector<Mark> marks_, lampMarks_, lineMarks_;
     bool isPicking_ = false, marksAreNew_ = false, lampsAreNew_ = false;
     Mix mix_;
     bool sceneIsNew_ = false, bakeIsNew_ = false, coloursAreNew_ = false, mixIsNew_ = false, needsMetering_ = false;

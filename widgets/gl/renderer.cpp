@@ -61,6 +61,9 @@ Result<Done> Renderer::linkPrograms()
     Result<VertexPass> vertices = VertexPass::make(gl_, shaders);
     if (!vertices) return vertices.error();
     vertices_.emplace(std::move(*vertices));
+    Result<DiscPass> discs = DiscPass::make(gl_, shaders);
+    if (!discs) return discs.error();
+    discs_.emplace(std::move(*discs));
     Result<EnvironmentMaps> environments = EnvironmentMaps::make(gl_, shaders);
     if (!environments) return environments.error();
     environments_.emplace(std::move(*environments));
@@ -75,6 +78,7 @@ Result<Done> Renderer::setScene(std::shared_ptr<const DrawData> data)
     (void)vdl_->setOctree(nullptr); // dropping cannot fail
     (void)grid_->setGrid(nullptr);
     vertices_->setVertices(nullptr);
+    discs_->setDiscs(nullptr);
     (void)atlas_->setAtlas(nullptr);
     (void)colours_->setOctree(nullptr);
     if (!data) return Done{};
@@ -394,6 +398,7 @@ void Renderer::present(const FrameView& frame, int samples, GLuint target, glm::
     postProgram_.setTexture("refinement", 1, GL_TEXTURE_2D, buffers_->light.id());
     drawFullscreen(gl_);
     overlay_->draw(frame, *buffers_, samples, window);
+    discs_->draw(frame, *buffers_, window);
     vertices_->draw(frame, *buffers_, window);
     marks_->draw(frame, *buffers_, window);
     gl_.glBindVertexArray(0);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "widgets/gl/disc_pass.h"
 #include "widgets/gl/environment_maps.h"
 #include "widgets/gl/mark_pass.h"
 #include "widgets/gl/mode_atlas.h"
@@ -66,6 +67,7 @@ public:
     [[nodiscard]] OverlayPass& overlay() { return *overlay_; }
     [[nodiscard]] MarkPass& marks() { return *marks_; }
     [[nodiscard]] VertexPass& vertices() { return *vertices_; }
+    [[nodiscard]] DiscPass& discs() { return *discs_; }
 
     /// Draws picture number `sample` (0 begins anew) of those that are averaged, at `size` pixels, and shows the mean
     /// stretched over `window` pixels of framebuffer `target`. Samples after the first are taken through pixels shifted
@@ -148,6 +150,7 @@ private:
     std::optional<OverlayPass> overlay_;
     std::optional<MarkPass> marks_;
     std::optional<VertexPass> vertices_;
+    std::optional<DiscPass> discs_;
     std::optional<EnvironmentMaps> environments_;
     ShadowMaps shadows_;
     GlVertexArray empty_;
