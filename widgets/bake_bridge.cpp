@@ -86,7 +86,7 @@ BakeBridge::BakeBridge(QObject* parent) : QObject(parent)
     starter.join();
 }
 
-BakeBridge::~BakeBridge() { session_.reset(); } // while the signals it may still send exist
+BakeBridge::~BakeBridge() { session_->end(); } // while the session and the signals that it uses exist
 
 std::uint64_t BakeBridge::start(Method method, BakeJob job, bool urgent)
 {

@@ -9,7 +9,13 @@ BakeSession::BakeSession(Workers& workers, std::unique_ptr<Solver> solver, Sinks
 {
 }
 
-BakeSession::~BakeSession() = default; // the jthread asks for the stop and joins
+BakeSession::~BakeSession() { end(); }
+
+void BakeSession::end()
+{
+    worker_.request_stop();
+    if (worker_.joinable()) worker_.join();
+}
 
 std::uint64_t BakeSession::post(BakeJob job, bool urgent)
 {

@@ -16,7 +16,9 @@ public:
         std::function<void(std::uint64_t serial, const Result<Done>& outcome)> finished;
     };
     BakeSession(Workers& workers, std::unique_ptr<Solver> solver, Sinks sinks);
-    ~BakeSession(); ///< stops what runs; returns within 100 ms of the solver's next block
+    ~BakeSession(); ///< as `end`
+    /// Stops what runs; returns within 100 ms of the solver's next block. Nothing is published, told or finished after.
+    void end();
 
     /// Any thread; returns at once. `urgent` (a new scene, a deleted lamp) does not wait for the coarse picture.
     /// Gives the job's serial.
