@@ -160,6 +160,10 @@ private Q_SLOTS:
         QVERIFY(std::abs(desk.field()->irradiance(p, glm::vec3(0, 1, 0)).y / full - 0.5f) <= 1e-3f);
         QCOMPARE(window_->snapshots().shown()->snapshot.serial, serial);
         slider->setValue(100);
+        const auto isFull = [&] {
+            return desk.field() && std::abs(desk.field()->irradiance(p, glm::vec3(0, 1, 0)).y / full - 1.0f) <= 1e-3f;
+        };
+        QVERIFY(QTest::qWaitFor(isFull, kPatience)); // the next test begins with it
     }
 
     void voxelsAreMarked_data()
