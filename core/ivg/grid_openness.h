@@ -8,6 +8,8 @@
 
 namespace lightloom {
 
+inline constexpr float kLeastOpen = 0.15f; ///< share of a face or cell; what is left of less is mostly rounding
+
 /// What walls leave of a grid: which vertices lie where light can be, how much of the faces and cells around them is
 /// joined to them, and how far they see along the axes. Depends on the scene's surface and its reach, not on photons.
 ///

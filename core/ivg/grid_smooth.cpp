@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/ivg/grid_smooth.h"
 #include "core/base/units.h"
+#include "core/ivg/grid_openness.h"
 #include <algorithm>
 #include <optional>
 
@@ -8,7 +9,6 @@ namespace lightloom {
 namespace {
 
 constexpr std::array kReaches{1, 2};          ///< cells to the neighbours, one pass after the other
-constexpr float kLeastOpen = 0.15f;           ///< of a face: as in lookups
 constexpr std::size_t kBlock = 1024;          ///< vertices
 constexpr float kCertain = 6.0f;              ///< times its variance: a difference that is hardly noise
 constexpr float kTogetherSmoothed = 2.1f;     ///< variance of a lookup over what independent vertices would have:

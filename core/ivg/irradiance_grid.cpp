@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/ivg/irradiance_grid.h"
 #include "core/base/units.h"
+#include "core/ivg/grid_openness.h"
 #include <algorithm>
 #include <cmath>
 
 namespace lightloom {
 namespace {
 
-constexpr float kLeastOpen = 0.15f;   ///< share of a face or cell; what is left of less is mostly rounding
 constexpr float kSteepest = 0.5f;     ///< of a lamp's light at a vertex, per cell
 constexpr int kSpreads = 2;           ///< vertices deep that values are carried into walls for Catmull-Rom
 constexpr float kLeastKnown = 0.005f; ///< of trilinear weights: less comes from round a corner
