@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "widgets/gl/disc_pass.h"
+#include "widgets/gl/over_picture.h"
 #include "widgets/gl/renderer.h"
 #include <cstddef>
 
@@ -43,18 +44,10 @@ void DiscPass::draw(const FrameView& frame, const GBuffer& buffers, glm::ivec2 w
 {
     if (!discs_ || discs_->discs.empty()) return;
     gl_->glBindVertexArray(array_.id());
-    gl_->glEnable(GL_BLEND);
-    gl_->glBlendEquation(GL_FUNC_ADD);
-    gl_->glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE); // the window stays opaque
-    program_.use();
-    program_.setTexture("gPosition", 0, GL_TEXTURE_2D, buffers.position.id());
-    program_.set("eye", frame.eye);
-    program_.set("window", glm::vec2(window));
+    const OverPicture over(*gl_, program_, frame, buffers, window);
     program_.set("cellSize", discs_->cellSize);
     program_.set("viewProjection", frame.projection * frame.view);
     gl_->glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(discs_->discs.size()));
-    gl_->glDisable(GL_BLEND);
-    gl_->glBindVertexArray(0);
 }
 
 } // namespace lightloom

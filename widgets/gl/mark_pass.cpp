@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "widgets/gl/mark_pass.h"
+#include "widgets/gl/over_picture.h"
 #include "widgets/gl/renderer.h"
 #include <cstddef>
 
@@ -71,16 +72,8 @@ void MarkPass::draw(const FrameView& frame, const GBuffer& buffers, glm::ivec2 w
     gl_->glBindBuffer(GL_ARRAY_BUFFER, buffer_.id());
     gl_->glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices_.size() * sizeof(Vertex)), vertices_.data(),
                       GL_STREAM_DRAW);
-    gl_->glEnable(GL_BLEND);
-    gl_->glBlendEquation(GL_FUNC_ADD);
-    gl_->glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE); // the window stays opaque
-    program_.use();
-    program_.setTexture("gPosition", 0, GL_TEXTURE_2D, buffers.position.id());
-    program_.set("eye", frame.eye);
-    program_.set("window", glm::vec2(window));
+    const OverPicture over(*gl_, program_, frame, buffers, window);
     gl_->glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(vertices_.size()));
-    gl_->glDisable(GL_BLEND);
-    gl_->glBindVertexArray(0);
 }
 
 } // namespace lightloom

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "widgets/gl/vertex_pass.h"
+#include "widgets/gl/over_picture.h"
 #include "widgets/gl/renderer.h"
 
 namespace lightloom {
@@ -42,14 +43,8 @@ void VertexPass::draw(const FrameView& frame, const GBuffer& buffers, glm::ivec2
 {
     if (!vertices_) return;
     gl_->glBindVertexArray(array_.id());
-    gl_->glEnable(GL_BLEND);
-    gl_->glBlendEquation(GL_FUNC_ADD);
-    gl_->glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE); // the window stays opaque
     gl_->glEnable(GL_PROGRAM_POINT_SIZE);
-    program_.use();
-    program_.setTexture("gPosition", 0, GL_TEXTURE_2D, buffers.position.id());
-    program_.set("eye", frame.eye);
-    program_.set("window", glm::vec2(window));
+    const OverPicture over(*gl_, program_, frame, buffers, window);
     program_.set("viewProjection", frame.projection * frame.view);
     // pixels of a metre at a distance of one metre
     const float metre = 0.5f * static_cast<float>(window.y) * frame.projection[1][1];
@@ -66,8 +61,6 @@ void VertexPass::draw(const FrameView& frame, const GBuffer& buffers, glm::ivec2
         first += count;
     }
     gl_->glDisable(GL_PROGRAM_POINT_SIZE);
-    gl_->glDisable(GL_BLEND);
-    gl_->glBindVertexArray(0);
 }
 
 } // namespace lightloom
