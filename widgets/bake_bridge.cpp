@@ -38,7 +38,8 @@ QStringList adviceOn(const BakeView& view, const Scene& scene)
     QStringList lines;
     const auto* field = dynamic_cast<const VoxelField*>(view.snapshot.field.get());
     if (!field) return lines;
-    const VoxelAdvice advice = voxelAdvice(*view.rays, *view.noisePoints, *field, view.params.voxelDirections);
+    const VoxelAdvice advice =
+        voxelAdvice(*view.rays, *view.reach, *view.noisePoints, *field, view.params.voxelDirections);
     for (const std::string& line : adviceLines(advice, scene)) lines += QString::fromStdString(line);
     return lines;
 }

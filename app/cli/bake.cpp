@@ -76,7 +76,7 @@ std::optional<VoxelAdvice> adviceOf(const Lighting& lighting)
     const auto* field = dynamic_cast<const VoxelField*>(lighting.field.get());
     if (!field) return {};
     const LitScene& lit = lighting.lit;
-    return voxelAdvice(*lit.rays, samplePoints(*lit.rays, *lit.lights, *lit.reach, kNoisePoints, 1), *field,
+    return voxelAdvice(*lit.rays, *lit.reach, samplePoints(*lit.rays, *lit.lights, *lit.reach, kNoisePoints, 1), *field,
                        lighting.params.voxelDirections);
 }
 
@@ -93,6 +93,8 @@ nlohmann::json voxelReport(const Lighting& lighting)
                          {"by_shadow_rays", lamp.isConnected}});
     }
     return {{"surface_in_gaps", advice.inGaps},
+            {"surface_on_thin", advice.onThin},
+            {"surface_on_thin_before_dark", advice.onThinBeforeDark},
             {"lamps", std::move(lamps)},
             {"voxels", field->surface().leaves->cells.size()},
             {"entries", field->surface().leaves->entries.size()},
