@@ -258,7 +258,7 @@ private Q_SLOTS:
         QCOMPARE(voxel.entries.size(), leaf.entries.size());
         const Lightcut cut = cuts->cutAt(leaf.point, leaf.normal);
         QVERIFY(voxel.cut->nodes == cut.nodes && voxel.cut->illuminance == cut.illuminance);
-        QVERIFY(cut.largestBound <= voxel.threshold * luminance(cut.illuminance) * 1.001f);
+        QVERIFY(cut.largestBound <= voxel.asked.threshold * luminance(cut.illuminance) * 1.001f);
         // the arrows of the entry that answers bring the cut's light
         const PickedEntry& entry = leaf.entries[std::size_t(leaf.answers)];
         glm::vec3 sum(0.0f);
@@ -270,6 +270,13 @@ private Q_SLOTS:
         QVERIFY(luminance(light.radiosity) < luminance(light.direct + light.indirect));
         QVERIFY(glm::length(entry.lux - light.indirect) <= 1e-4f * glm::length(entry.lux));
         const QString text = desk.card().lines().join('\n');
+        // what the cut is off by, against all voxels one by one
+        const double every = double(luminance(voxel.everyLight)), mine = double(luminance(cut.illuminance));
+        QVERIFY(every > 0.0 && std::abs(mine / every - 1.0) <= 3.0 * double(voxel.asked.threshold));
+        QCOMPARE(voxel.everyLight, cuts->everyLightAt(leaf.point, leaf.normal));
+        const QString off = QLocale().toString(100.0 * std::abs(mine / every - 1.0), 'f', 1);
+        QVERIFY2(text.contains("the cut is off by " + off + " %") && text.contains("Usual are 6.0 to 16.0 %"),
+                 qPrintable(text));
         for (const char* part : {"Voxel", "lightcut of", "shadow rays", "by the field", "Entry 1", "lm/m"})
             QVERIFY2(text.contains(part), qPrintable(text));
         QCOMPARE(desk.card().labels().size(), entry.lights.size());

@@ -3,6 +3,7 @@
 #include "core/base/units.h"
 #include <QLocale>
 #include <QObject>
+#include <cmath>
 
 namespace lightloom {
 
@@ -54,19 +55,32 @@ QStringList leafText(const LeafPick& leaf)
     return lines;
 }
 
+/// Of clusters that keep to a threshold a place's light is off by so many (RMS; docs/methods/voxel-lightcuts.md).
+constexpr float kUsualLeast = 0.6f, kUsualMost = 1.6f;
+
 QStringList cutText(const PickedVoxel& voxel)
 {
     const Lightcut& cut = *voxel.cut;
-    const float lux = luminance(cut.illuminance), most = lux > 0.0f ? cut.largestBound / lux : 0.0f;
-    return {QObject::tr("%1 lx indirect at the point by a lightcut of %L2 clusters, %L3 shadow rays")
-                .arg(numberText(lux))
-                .arg(cut.nodes)
-                .arg(cut.shadowRays),
-            QObject::tr("     none off by more than %1 lx (%2 %; asked %3 %), all together by %4 lx")
-                .arg(numberText(cut.largestBound))
-                .arg(static_cast<double>(100.0f * most), 0, 'f', 1)
-                .arg(static_cast<double>(100.0f * voxel.threshold), 0, 'g', 2)
-                .arg(numberText(cut.bound))};
+    const float lux = luminance(cut.illuminance), every = luminance(voxel.everyLight);
+    const float off = every > 0.0f ? 100.0f * std::abs(lux - every) / every : 0.0f,
+                asked = 100.0f * voxel.asked.threshold;
+    const auto digit = [](float percent) { return QLocale().toString(static_cast<double>(percent), 'f', 1); };
+    QStringList lines{QObject::tr("%1 lx indirect at the point by a lightcut of %L2 clusters, %L3 shadow rays")
+                          .arg(numberText(lux))
+                          .arg(cut.nodes)
+                          .arg(cut.shadowRays),
+                      QObject::tr("     %1 lx by all %L2 voxels one by one: the cut is off by %3 %")
+                          .arg(numberText(every))
+                          .arg(static_cast<qulonglong>(voxel.lights))
+                          .arg(digit(off))};
+    lines += voxel.asked.mostNodes > 0 && cut.nodes >= voxel.asked.mostNodes
+                 ? QObject::tr("     It ended at %L1 clusters (voxel.cut), before they were all within %2 %")
+                       .arg(voxel.asked.mostNodes)
+                       .arg(static_cast<double>(asked), 0, 'g', 2)
+                 : QObject::tr("     Usual are %1 to %2 % at a threshold of %3 %")
+                       .arg(digit(kUsualLeast * asked), digit(kUsualMost * asked))
+                       .arg(static_cast<double>(asked), 0, 'g', 2);
+    return lines;
 }
 
 QStringList voxelText(const LeafPick& leaf, const PickedVoxel& voxel)

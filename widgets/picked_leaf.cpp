@@ -32,7 +32,9 @@ void addCut(const VoxelCuts& cuts, LeafPick& leaf, PickedVoxel& voxel)
         return;
     }
     voxel.cut = cuts.cutAt(leaf.point, leaf.normal);
-    voxel.threshold = cuts.show().cuts.threshold;
+    voxel.everyLight = cuts.everyLightAt(leaf.point, leaf.normal);
+    voxel.lights = cuts.field().surface().leaves->entries.size();
+    voxel.asked = cuts.show().cuts;
     if (leaf.answers < 0) return;
     leaf.entries[static_cast<std::size_t>(leaf.answers)].lights =
         directionsOf(cuts.lightsAt(leaf.point, leaf.normal, 1.0f), leaf.normal);

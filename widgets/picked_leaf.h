@@ -18,7 +18,9 @@ struct PickedVoxel {
     int cells = 0;               ///< along the longest side of the scene
     std::vector<Entry> entries;  ///< as those of the leaf
     std::optional<Lightcut> cut; ///< that lights the point; nothing: another lookup does
-    float threshold = 0.0f;      ///< of the cut
+    LightcutParams asked;        ///< of the cut
+    glm::vec3 everyLight{0.0f};  ///< lux that all voxels one by one give the point, where the cut took some together
+    std::size_t lights = 0;      ///< so many
     int samples = 0;             ///< voxels at random that light the point; 0: another lookup does
     glm::vec3 lux{0.0f};         ///< of these
 };

@@ -167,6 +167,11 @@ Lightcut VoxelCuts::cutAt(glm::vec3 p, glm::vec3 n) const
     return cut;
 }
 
+glm::vec3 VoxelCuts::everyLightAt(glm::vec3 p, glm::vec3 n) const
+{
+    return cuts_->everyLight(p, n, numberOf(p), show_.cuts) + specularAt(p, n);
+}
+
 std::vector<CutLight> VoxelCuts::lightsAt(glm::vec3 p, glm::vec3 n, float share) const
 {
     LightcutParams finer = show_.cuts;

@@ -37,6 +37,9 @@ public:
     /// The cut at a place, whatever `show` says, and the lamps' light that comes there by mirrors and glass: that of
     /// the voxels around.
     [[nodiscard]] Lightcut cutAt(glm::vec3 p, glm::vec3 n) const;
+    /// The same from all voxels one by one, that come along (lux): what cuts are to come near to. A shadow ray for each
+    /// that may be in view; 20 ms for 10,000.
+    [[nodiscard]] glm::vec3 everyLightAt(glm::vec3 p, glm::vec3 n) const;
     /// The light's parts there by direction, for a surface that weighs them by a lobe: each within `share` of the
     /// threshold. What comes by mirrors and glass has no direction and is left out.
     [[nodiscard]] std::vector<CutLight> lightsAt(glm::vec3 p, glm::vec3 n, float share) const;
