@@ -106,6 +106,36 @@ private Q_SLOTS:
         actionNamed(*window_, "Light")->trigger();
     }
 
+    void legendsCaptionsAreWhole()
+    {
+        LegendStrip strip;
+        HeatmapStyle scale;
+        scale.kind = ErrorKind::absolute;
+        scale.top = 1.0f;
+        scale.unit = LegendUnit::percent;
+        const int height = window_->legend().height();
+        for (const int width : {strip.sizeHint().width(), 520, 700}) { // beside snapshots of a window of 1280 and less
+            strip.resize(width, height);
+            for (const char* text :
+                 {"Surface in a voxel, of a face of it\nLightcuts: in blocks of 8 pixels",
+                  "|Error| of the indirect light, of its mean\nin blocks of 2 pixels so far, next 43 %",
+                  "Radiosity of voxels, lm/m²\nLightcuts: in blocks of 2 pixels, next 43 %"}) {
+                strip.show(scale, QString::fromUtf8(text));
+                const QRect place = strip.captionPlace();
+                const QRect words =
+                    strip.fontMetrics().boundingRect(place, Qt::AlignVCenter | Qt::TextWordWrap, strip.caption());
+                QVERIFY2(place.contains(words), qPrintable(QString("%1 at %2: %3 x %4 of %5 x %6")
+                                                               .arg(strip.caption())
+                                                               .arg(width)
+                                                               .arg(words.width())
+                                                               .arg(words.height())
+                                                               .arg(place.width())
+                                                               .arg(place.height())));
+                QVERIFY(strip.barLength() >= 120 && place.right() < width);
+            }
+        }
+    }
+
     void manySnapshotsNeedNoScrolling() // what there is no room for is in a menu, what is shown never
     {
         SnapshotBar bar;

@@ -173,7 +173,7 @@ private Q_SLOTS:
         QTest::newRow("radiosity") << "Voxels by radiosity"
                                    << "lm/m";
         QTest::newRow("area") << "Voxels by area"
-                              << "of its side";
+                              << "of a face";
         QTest::newRow("normal") << "Voxels by normal"
                                 << "green +y";
     }

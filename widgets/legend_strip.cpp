@@ -11,6 +11,8 @@ namespace lightloom {
 namespace {
 
 constexpr int kMargin = 10, kBarHeight = 12, kTick = 4, kTicks = 5, kGap = 14, kBetween = 2;
+constexpr int kLeastBar = 120, kMostBar = 360;
+constexpr int kSlack = 4; ///< advances are rounded
 
 QColor shownColour(glm::vec3 linear)
 {
@@ -21,7 +23,8 @@ QColor shownColour(glm::vec3 linear)
 
 LegendStrip::LegendStrip(QWidget* parent) : QWidget(parent)
 {
-    setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Fixed);
+    setSizePolicy(QSizePolicy::Preferred, QSizePolicy::Fixed);
+    // a wider one would widen a small window's picture, and so end the reference that it is for
     setMinimumWidth(fontMetrics().horizontalAdvance(QStringLiteral("-100%  0%  100%  Error of the indirect light")));
     setAccessibleName(tr("Legend"));
 }
@@ -33,6 +36,32 @@ void LegendStrip::show(const std::optional<HeatmapStyle>& scale, const QString& 
     setToolTip(caption); // should a long one be cut
     setAccessibleDescription(caption + QStringLiteral(": ") + ticks().join(QStringLiteral(", ")));
     update();
+}
+
+QSize LegendStrip::sizeHint() const
+{
+    const QString longest = QStringLiteral("Lightcuts: in blocks of 2 pixels, next 43 % +100%");
+    return {kLeastBar + 3 * kMargin + kGap + fontMetrics().horizontalAdvance(longest), height()};
+}
+
+int LegendStrip::barLength() const
+{
+    const QStringList texts = ticks();
+    if (texts.isEmpty()) return 0;
+    const auto wide = [this](const QString& text) { return fontMetrics().horizontalAdvance(text); };
+    int words = 0;
+    for (const QString& line : caption_.split('\n')) words = std::max(words, wide(line) + kSlack);
+    const int ends = (wide(texts.first()) + wide(texts.last())) / 2;
+    return std::clamp(width() - 2 * kMargin - ends - kGap - words, kLeastBar, kMostBar);
+}
+
+QRect LegendStrip::captionPlace() const
+{
+    const QStringList texts = ticks();
+    if (texts.isEmpty()) return rect().adjusted(kMargin, 0, -kMargin, 0);
+    const auto half = [this](const QString& text) { return fontMetrics().horizontalAdvance(text) / 2; };
+    const int from = kMargin + half(texts.first()) + barLength() + half(texts.last()) + kGap;
+    return {from, 0, width() - from - kMargin, height()};
 }
 
 QStringList LegendStrip::ticks() const
@@ -52,13 +81,12 @@ void LegendStrip::paintEvent(QPaintEvent*)
     const QFontMetrics metrics = fontMetrics();
     const QStringList texts = ticks();
     if (texts.isEmpty()) {
-        painter.drawText(rect().adjusted(kMargin, 0, -kMargin, 0), Qt::AlignVCenter | Qt::AlignLeft | Qt::TextWordWrap,
-                         caption_);
+        painter.drawText(captionPlace(), Qt::AlignVCenter | Qt::AlignLeft | Qt::TextWordWrap, caption_);
         return;
     }
     // ends are centred on by their numbers
     const int left = kMargin + metrics.horizontalAdvance(texts.first()) / 2;
-    const int most = (width() - left) / 2, length = std::min(360, most - kMargin), top = 5;
+    const int length = barLength(), top = 5;
     for (int x = 0; x <= length; ++x) {
         const glm::vec3 colour = scale_->colourOf(scale_->valueAt(static_cast<float>(x) / static_cast<float>(length)));
         painter.fillRect(left + x, top, 1, kBarHeight, shownColour(colour));
@@ -75,8 +103,7 @@ void LegendStrip::paintEvent(QPaintEvent*)
         painter.drawText(x - half, numbers + metrics.ascent(), texts[i]);
         taken.push_back(place);
     }
-    const int from = left + length + metrics.horizontalAdvance(texts.last()) / 2 + kGap;
-    painter.drawText(QRect(from, 0, width() - from - kMargin, height()), Qt::AlignVCenter | Qt::TextWordWrap, caption_);
+    painter.drawText(captionPlace(), Qt::AlignVCenter | Qt::TextWordWrap, caption_);
 }
 
 } // namespace lightloom

@@ -69,7 +69,7 @@ void MainWindow::tellMarks()
     case VoxelMarks::radiosity:
         return compareDesk_->showNote(tr("Radiosity of voxels, lm/m\u00b2"), discs->scale);
     case VoxelMarks::area:
-        return compareDesk_->showNote(tr("Surface in a voxel, of its side"), discs->scale);
+        return compareDesk_->showNote(tr("Surface in a voxel, of a face of it"), discs->scale);
     case VoxelMarks::normal:
     case VoxelMarks::none:
         return compareDesk_->showNote(tr("Normals of voxels: red +x, green +y, blue +z"), {});
