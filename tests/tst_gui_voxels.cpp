@@ -13,6 +13,7 @@
 #include "widgets/pick_card.h"
 #include "widgets/pick_desk.h"
 #include "widgets/picture_desk.h"
+#include "widgets/picture_worker.h"
 #include "widgets/scene_dock.h"
 #include "widgets/snapshot_bar.h"
 #include "widgets/voxel_panel.h"
@@ -97,6 +98,40 @@ private Q_SLOTS:
         qInfo("lightcuts and field: %.2f of 255 apart", apart);
         QVERIFY(apart > 0.1 && apart < 12.0);
         QVERIFY(desk.stateText().contains("Voxel field"));
+    }
+
+    /// Edges have several camera rays a pixel while light is in blocks of two pixels, and never fewer afterwards.
+    void edgesAreSmoothBeforeEachPixelHasItsLight()
+    {
+        const BakeView& view = *window_->snapshots().shown();
+        ViewJob job{window_->scene()->cameras.front(), 96, 64};
+        job.indirect = ViewJob::Indirect::field;
+        job.samples = 16;
+        VoxelShow show = voxelShow(params());
+        show.lookup = VoxelLookup::lightcuts;
+        PictureWorker worker;
+        std::vector<MadePicture> pictures;
+        connect(&worker, &PictureWorker::shown, this, [&](const MadePicture& p) { pictures.push_back(p); });
+        std::vector<double> parts;
+        connect(&worker, &PictureWorker::workedOn, this, [&](std::uint64_t, double part) { parts.push_back(part); });
+        worker.ask({nullptr, std::dynamic_pointer_cast<const VoxelField>(view.snapshot.field), show, view.rays,
+                    view.lights, job});
+        const auto isWhole = [&] {
+            return !pictures.empty() && pictures.back().block == 1 && pictures.back().view->isWhole;
+        };
+        QVERIFY(QTest::qWaitFor(isWhole, kPatience));
+        int smooth = 0;
+        for (std::size_t i = 1; i < pictures.size(); ++i) {
+            const MadePicture &before = pictures[i - 1], &now = pictures[i];
+            QVERIFY(now.block <= before.block && before.block <= 2 * now.block);
+            if (now.block < before.block) QVERIFY(before.view->isWhole);
+            if (now.block == 1) QVERIFY(now.view->samples >= 4);
+            smooth += now.block == 2 && now.view->samples == 8 ? 1 : 0;
+        }
+        QCOMPARE(pictures.front().block, 8);
+        QCOMPARE(smooth, 1);
+        for (const double part : parts) QVERIFY(part > 0.0 && part <= 1.0);
+        QVERIFY(std::ranges::is_sorted(parts));
     }
 
     void cutSizesAreShownWithTheirLegend()

@@ -22,7 +22,7 @@ QString captionOf(const ViewError& error)
     case ErrorKind::absolute:
         return QObject::tr("|Error| of the indirect illuminance");
     case ErrorKind::difference:
-        return QObject::tr("Error of the indirect light, of its mean: blue too dark, red too bright");
+        return QObject::tr("Error of the indirect light, of its mean\nblue: too dark, red: too bright");
     case ErrorKind::relative:
         break;
     }
@@ -49,6 +49,14 @@ CompareDesk::CompareDesk(const Parts& parts, QObject* parent) : QObject(parent),
             Qt::QueuedConnection);
     connect(&worker_, &CompareWorker::judged, this, qOverload<const ErrorPicture&>(&CompareDesk::take),
             Qt::QueuedConnection);
+    connect(
+        &worker_, &CompareWorker::judging, this,
+        [this](std::uint64_t serial, double part) {
+            if (serial != serial_) return;
+            judgedPart_ = part;
+            tellLegend();
+        },
+        Qt::QueuedConnection);
     connect(parts_.viewport, &Viewport::viewMoved, this, &CompareDesk::viewChanged);
     connect(parts_.panel, &ComparePanel::qualityEdited, this, &CompareDesk::viewChanged);
     connect(parts_.reference, &QAction::toggled, this, &CompareDesk::turn);
@@ -233,10 +241,12 @@ void CompareDesk::tellLegend()
         parts_.legend->show(isMarked ? noteScale_ : pictureScale_,
                             isMarked ? tr("%1\n%2").arg(note_, pictureState_) : pictureState_);
     } else if (shown_ && error_) {
-        const QString caption = captionOf(*error_);
-        const bool isRough = errorBlock_ > 1;
-        parts_.legend->show(scaleOf(*error_),
-                            isRough ? tr("%1, in blocks of %2 pixels so far").arg(caption).arg(errorBlock_) : caption);
+        QString caption = captionOf(*error_);
+        if (errorBlock_ > 1) {
+            caption += tr("\nin blocks of %1 pixels so far").arg(errorBlock_);
+            if (judgedPart_ > 0.0) caption += tr(", next %1 %").arg(100.0 * judgedPart_, 0, 'f', 0);
+        }
+        parts_.legend->show(scaleOf(*error_), caption);
     } else if (shown_ || !picture_) {
         parts_.legend->show({}, tr("Light of the bake meanwhile. Reference: %1").arg(parts_.panel->stateText()));
     } else {
@@ -286,6 +296,7 @@ void CompareDesk::take(const ErrorPicture& picture)
     }
     error_ = picture.error;
     errorBlock_ = picture.block;
+    judgedPart_ = 0.0;
     parts_.viewport->setErrors(error_);
     parts_.panel->show(picture, fullName(view_));
     tellLegend();

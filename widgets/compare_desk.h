@@ -78,7 +78,8 @@ private:
     std::uint64_t serial_ = 0; ///< of the question that fits what is seen; 0: none was asked
     std::optional<ReferencePicture> picture_;
     std::shared_ptr<const ViewError> error_;
-    int errorBlock_ = 1; ///< ErrorPicture::block
+    int errorBlock_ = 1;      ///< ErrorPicture::block
+    double judgedPart_ = 0.0; ///< of the work until the next one
     bool isBaking_ = false, wasTracing_ = false;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "widgets/compare_worker.h"
 #include "widgets/background.h"
+#include "widgets/seldom.h"
 
 namespace lightloom {
 
@@ -120,7 +121,11 @@ void CompareWorker::workOn(Desk& desk, Workers& workers, const std::stop_token& 
 {
     LiveCompare& live = *desk.live;
     if (live.wantsField()) {
-        if (live.advanceField(workers, stop)) tellError(desk);
+        Seldom seldom;
+        const auto told = [&](double part) {
+            if (seldom.isDue()) Q_EMIT judging(desk.serial, part);
+        };
+        if (live.advanceField(workers, stop, told)) tellError(desk);
         return;
     }
     if (!live.advanceReference(workers, stop)) return;

@@ -48,6 +48,7 @@ public:
 Q_SIGNALS:
     void shown(lightloom::ReferencePicture picture);
     void judged(lightloom::ErrorPicture picture);
+    void judging(std::uint64_t serial, double part); ///< of the work until the next `judged`, 0 to 1
 
 private:
     /// What the thread works on.

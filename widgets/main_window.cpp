@@ -193,9 +193,12 @@ void MainWindow::connectWorkers()
     const auto tellDirect = [this](const QString& text) {
         if (statusDirect_->text() != text) statusDirect_->setText(text);
     };
+    const auto tellOf = [this, tellDirect](const QString& text) {
+        tellDirect(viewport_->showsMade() ? tr("direct: traced") : text);
+    };
     connect(viewport_, &Viewport::viewMoved, this, [tellDirect] { tellDirect(tr("direct: preview")); });
-    connect(viewport_, &Viewport::settled, this, [tellDirect] { tellDirect(tr("direct: preview")); });
-    connect(viewport_, &Viewport::refined, this, [tellDirect] { tellDirect(tr("direct: refined")); });
+    connect(viewport_, &Viewport::settled, this, [tellOf] { tellOf(tr("direct: preview")); });
+    connect(viewport_, &Viewport::refined, this, [tellOf] { tellOf(tr("direct: refined")); });
     connect(viewport_, &Viewport::problem, this, [this](const QString& text) { messages_->show(text); });
     connect(viewport_, &Viewport::exposureMetered, this, [this](float ev) {
         const QSignalBlocker quiet(exposure_);

@@ -31,8 +31,14 @@ void MainWindow::addShownAction(const QString& text, const QKeySequence& keys, c
     connect(action, &QAction::triggered, this, [this, kind] {
         if (compareDesk_ == nullptr) return;
         showCuts(false);
-        compareDesk_->showErrors(kind);
+        showErrors(kind);
     });
+}
+
+void MainWindow::showErrors(std::optional<ErrorKind> kind)
+{
+    compareDesk_->showErrors(kind);
+    pictureDesk_->coverChanged();
 }
 
 void MainWindow::showCuts(bool on)
@@ -67,7 +73,7 @@ void MainWindow::makeCompareActions()
     cuts_->setEnabled(false);
     shown_->addAction(cuts_);
     connect(cuts_, &QAction::triggered, this, [this] {
-        compareDesk_->showErrors({});
+        showErrors({});
         showCuts(true);
     });
     reference_ = makeAction(tr("&Trace reference"), QKeySequence(Qt::Key_R),
@@ -129,6 +135,7 @@ void MainWindow::connectCompare()
     pictureDesk_ = new PictureDesk(viewport_, this);
     connect(pictureDesk_, &PictureDesk::stateChanged, this,
             [this] { compareDesk_->showPictureState(pictureDesk_->stateText(), pictureDesk_->cutScale()); });
+    connect(wipe_, &QAction::toggled, pictureDesk_, &PictureDesk::coverChanged); // after the desk's own, which sets it
     connect(pictureDesk_, &PictureDesk::fieldChanged, this, &MainWindow::judgeView);
 }
 

@@ -19,6 +19,14 @@ PictureDesk::PictureDesk(Viewport* viewport, QObject* parent) : QObject(parent),
     delay_.setInterval(kAskDelayMs);
     connect(&delay_, &QTimer::timeout, this, &PictureDesk::ask);
     connect(&worker_, &PictureWorker::shown, this, &PictureDesk::take, Qt::QueuedConnection);
+    connect(
+        &worker_, &PictureWorker::workedOn, this,
+        [this](std::uint64_t serial, double part) {
+            if (serial != serial_) return;
+            part_ = part;
+            Q_EMIT stateChanged();
+        },
+        Qt::QueuedConnection);
     connect(viewport_, &Viewport::viewMoved, this, &PictureDesk::viewChanged);
 }
 
@@ -64,8 +72,17 @@ void PictureDesk::setShow(const VoxelShow& show)
 void PictureDesk::setBaking(bool isBaking)
 {
     isBaking_ = isBaking;
-    worker_.setHeld(isBaking);
+    hold();
     Q_EMIT stateChanged();
+}
+
+void PictureDesk::coverChanged() { hold(); }
+
+/// Errors are judged from the same field, so that it is made first.
+void PictureDesk::hold()
+{
+    const bool isCovered = viewport_->showsErrors() && !viewport_->wipe();
+    worker_.setHeld(isBaking_ || (isCovered && field_));
 }
 
 void PictureDesk::modeChanged()
@@ -86,8 +103,10 @@ void PictureDesk::viewChanged()
 {
     serial_ = 0;
     picture_ = {};
+    part_ = 0.0;
     viewport_->setMadePicture(nullptr);
     viewport_->setCuts(nullptr);
+    hold();
     if (isWanted()) delay_.start();
     Q_EMIT stateChanged();
 }
@@ -122,6 +141,7 @@ void PictureDesk::take(const MadePicture& picture)
     Q_EMIT stateChanged();
     if (!picture.field || picture.field == field_) return;
     field_ = picture.field;
+    hold();
     Q_EMIT fieldChanged();
 }
 
@@ -155,7 +175,7 @@ QString PictureDesk::voxelText() const
     if (serial_ == 0) return tr("%1: the voxel field until the view rests").arg(name);
     if (!picture_.view) return tr("%1: the first blocks of pixels").arg(name);
     if (cutsShown_ && picture_.cuts) return cutText();
-    if (picture_.block > 1) return tr("%1: in blocks of %2 pixels").arg(name).arg(picture_.block);
+    if (picture_.block > 1) return tr("%1: %2").arg(name, blockText());
     return tr("%1: %2 of %3 rays per pixel").arg(name).arg(picture_.view->samples).arg(kSamples);
 }
 
@@ -165,7 +185,13 @@ QString PictureDesk::cutText() const
                              .arg(std::lround(picture_.cuts->mean))
                              .arg(picture_.cuts->p99)
                              .arg(picture_.cuts->most);
-    return picture_.block > 1 ? tr("%1; in blocks of %2 pixels").arg(text).arg(picture_.block) : text;
+    return picture_.block > 1 ? tr("%1\n%2").arg(text, blockText()) : text;
+}
+
+QString PictureDesk::blockText() const
+{
+    const QString text = tr("in blocks of %1 pixels").arg(picture_.block);
+    return part_ > 0.0 ? tr("%1, next %2 %").arg(text).arg(100.0 * part_, 0, 'f', 0) : text;
 }
 
 QString PictureDesk::photonText() const

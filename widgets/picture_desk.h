@@ -22,6 +22,7 @@ public:
     void setShow(const VoxelShow& show); ///< of voxels
     void setBaking(bool isBaking);       ///< and not paused
     void modeChanged();                  ///< the viewport's
+    void coverChanged();                 ///< errors lie over all of the picture, or no longer: it waits meanwhile
 
     /// What the picture shows: a photon map with its cache, or cuts; null: nothing yet.
     [[nodiscard]] const std::shared_ptr<const IndirectField>& field() const { return field_; }
@@ -37,6 +38,7 @@ Q_SIGNALS:
 
 private:
     void viewChanged();
+    void hold();
     void ask();
     void take(const MadePicture& picture);
     [[nodiscard]] bool isWanted() const;
@@ -45,12 +47,14 @@ private:
     [[nodiscard]] QString photonText() const;
     [[nodiscard]] QString voxelText() const;
     [[nodiscard]] QString cutText() const;
+    [[nodiscard]] QString blockText() const;
 
     Viewport* viewport_;
     PictureWorker worker_;
     QTimer delay_;
     BakeView view_;
     MadePicture picture_;
+    double part_ = 0.0; ///< of the work until each pixel has its own light
     VoxelShow show_;
     std::shared_ptr<const IndirectField> field_;
     bool isAskedOfVoxels_ = false;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "widgets/picture_worker.h"
 #include "widgets/background.h"
+#include "widgets/seldom.h"
 
 namespace lightloom {
 
@@ -10,8 +11,18 @@ constexpr int kRoughly = 4;           ///< a rough picture of a photon map is sm
 constexpr int kBlock = 2;             ///< side of blocks of pixels in rough pictures by lightcuts
 constexpr int kSmaller[] = {1, 2, 4}; ///< these are smaller by, each way, the last one first: direct light is dear too
 constexpr int kRoughShadows = 16;     ///< shadow rays per shining surface and pixel in these
+/// Camera rays per pixel in these, and before the last picture takes their place: edges without steps. They are cheap,
+/// cuts are not.
+constexpr int kRoughSamples = 8, kSmoothSamples = 4;
+constexpr double kFirstRay = 0.9; ///< of the work until then, which is a cut for every pixel
 constexpr double kFirstSlice = 0.2, kLastSlice = 1.5, kGrows = 0.2; ///< seconds; part of all before
-constexpr auto kTellEvery = std::chrono::milliseconds(200);
+
+/// Part of the work until the last picture by lightcuts is shown, after so many camera rays per pixel.
+double partBefore(double rays)
+{
+    if (rays < 1.0) return kFirstRay * rays;
+    return std::min(1.0, kFirstRay + (1.0 - kFirstRay) * (rays - 1.0) / (kSmoothSamples - 1));
+}
 
 std::vector<std::shared_ptr<const PhotonMap>> mapsOf(const PictureQuestion& question)
 {
@@ -141,13 +152,9 @@ void PictureWorker::fill(Desk& desk, Workers& workers, const std::stop_token& qu
         fillingFor_ = mapsOf(*desk.question);
     }
     BakeControl control(workers, {}, stop.get_token());
-    std::mutex telling;
-    auto told = std::chrono::steady_clock::now();
+    Seldom seldom;
     const auto filled = withCaches(*desk.question->photons, control, [&](double part) {
-        std::lock_guard lock(telling);
-        if (std::chrono::steady_clock::now() - told < kTellEvery) return;
-        told = std::chrono::steady_clock::now();
-        Q_EMIT shown({nullptr, nullptr, part, nullptr, 1, desk.serial, {}});
+        if (seldom.isDue()) Q_EMIT shown({nullptr, nullptr, part, nullptr, 1, desk.serial, {}});
     });
     {
         std::lock_guard lock(mutex_);
@@ -175,7 +182,7 @@ void PictureWorker::draw(Desk& desk, Workers& workers, const std::stop_token& st
         ViewJob rough = q.job;
         if (q.voxels) {
             rough.block = kBlock;
-            rough.samples = 1;
+            rough.samples = kRoughSamples;
             rough.directSamples = kRoughShadows;
             for (const int times : kSmaller) addSmaller(rough, times);
         } else {
@@ -183,12 +190,18 @@ void PictureWorker::draw(Desk& desk, Workers& workers, const std::stop_token& st
         }
     }
     ProgressiveView& making = desk.pictures.back();
+    const bool isLast = desk.pictures.size() == 1;
     const double seconds = std::clamp(kGrows * making.seconds(), kFirstSlice, kLastSlice);
-    View view = making.advance(seconds, workers, stop);
+    Seldom seldom;
+    View view = making.advance(seconds, workers, stop, [&](double part) {
+        if (isLast && q.voxels && seldom.isDue()) Q_EMIT workedOn(desk.serial, partBefore(part * q.job.samples));
+    });
     if (view.samples == 0 || (stop.stop_requested() && !view.isWhole)) return; // part of a camera ray per pixel
+    if (isLast && q.voxels && view.samples < std::min(kSmoothSamples, q.job.samples)) return; // edges had more rays
     // in pixels of the window
     const int block = making.job().block * (q.voxels ? std::max(1, q.job.width / making.job().width) : 1);
-    if (desk.pictures.size() > 1) desk.pictures.pop_back();
+    // a photon map's whole picture is rougher than its small one for an instant only
+    if (!isLast && (view.isWhole || !q.voxels)) desk.pictures.pop_back();
     const auto cuts = view.cutSizes.empty() ? nullptr : std::make_shared<const CutMap>(cutMap(view));
     Q_EMIT shown({std::make_shared<const View>(std::move(view)), desk.field, 1.0, cuts, block, desk.serial, {}});
 }

@@ -51,6 +51,8 @@ public:
 
 Q_SIGNALS:
     void shown(lightloom::MadePicture picture);
+    /// While voxels are shown in blocks of pixels: how much of the work is done, 0 to 1, until each pixel has its own.
+    void workedOn(std::uint64_t serial, double part);
 
 private:
     /// What the thread works on.

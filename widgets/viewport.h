@@ -83,6 +83,11 @@ public:
     [[nodiscard]] int shadowLayersDrawn() const { return renderer_ ? renderer_->shadowLayersDrawn() : 0; }
     [[nodiscard]] bool hasAtlas() const { return atlas_ != nullptr; }
     [[nodiscard]] bool hasMadePicture() const { return made_ != nullptr; }
+    /// The picture is one that the processor made.
+    [[nodiscard]] bool showsMade() const
+    {
+        return (mode_ == ViewMode::photonMap || mode_ == ViewMode::lightcuts) && made_;
+    }
     [[nodiscard]] const FramePacer& pacer() const { return pacer_; }
     /// Share of the widget's resolution of the last picture.
     [[nodiscard]] float scale() const { return scale_; }
@@ -124,10 +129,6 @@ private:
     [[nodiscard]] Overlay overlay() const;        ///< that there is something to show for
     [[nodiscard]] FrameView frameNow() const;     ///< `frame_` with camera, mode and overlay
     [[nodiscard]] bool showsBake() const;         ///< its indirect light, in whatever way
-    [[nodiscard]] bool showsMade() const
-    {
-        return (mode_ == ViewMode::photonMap || mode_ == ViewMode::lightcuts) && made_;
-    }
     void uploadComparison();
     void overlayChanged(Overlay before); ///< what is laid over the picture, or that it is
     void showWhole(const QElapsedTimer& all);

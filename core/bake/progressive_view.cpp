@@ -14,7 +14,8 @@ ProgressiveView::ProgressiveView(std::shared_ptr<const RayScene> rays, std::shar
     assert(job_.targetError == 0.0f);
 }
 
-View ProgressiveView::advance(double seconds, Workers& workers, const std::stop_token& stop)
+View ProgressiveView::advance(double seconds, Workers& workers, const std::stop_token& stop,
+                              const std::function<void(double)>& told)
 {
     using Clock = std::chrono::steady_clock;
     const Clock::time_point began = Clock::now();
@@ -22,6 +23,7 @@ View ProgressiveView::advance(double seconds, Workers& workers, const std::stop_
     std::stop_source slice;
     const std::stop_callback linked(stop, [&slice] { slice.request_stop(); });
     const auto progress = [&](double fraction) {
+        if (told) told(fraction);
         // whole just after the last tile of a camera ray, when no tile of the next one has begun (where photons follow
         // the rays, of every second one); rounds of photons are whole whenever they tell
         const double rays = fraction * job_.samples;

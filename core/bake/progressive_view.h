@@ -15,8 +15,9 @@ public:
 
     /// Goes on for about `seconds`: to the end of the camera ray per pixel that runs then, at least one, then likewise
     /// by rounds of photons (renderView), whose light is missing until then. After `stop` sooner; pixels may then
-    /// differ by one ray.
-    [[nodiscard]] View advance(double seconds, Workers& workers, const std::stop_token& stop);
+    /// differ by one ray. `told` hears often, from any thread, which part of the whole picture is done.
+    [[nodiscard]] View advance(double seconds, Workers& workers, const std::stop_token& stop,
+                               const std::function<void(double part)>& told = {});
 
     [[nodiscard]] const ViewJob& job() const { return job_; }
     [[nodiscard]] const ViewState& state() const { return state_; }

@@ -97,7 +97,7 @@ bool LiveCompare::wantsField() const
     return isToBeMade && reference_ && !isRough_;
 }
 
-bool LiveCompare::advanceField(Workers& workers, const std::stop_token& stop)
+bool LiveCompare::advanceField(Workers& workers, const std::stop_token& stop, const std::function<void(double)>& told)
 {
     assert(!fields_.empty());
     if (reflectance_.pixels.empty()) {
@@ -105,7 +105,9 @@ bool LiveCompare::advanceField(Workers& workers, const std::stop_token& stop)
         if (reflectance_.pixels.empty()) return false;
     }
     ProgressiveView& making = fields_.back();
-    View view = making.advance(kFirstSlice, workers, stop);
+    View view = making.advance(kFirstSlice, workers, stop, [&](double part) {
+        if (told) told(std::min(1.0, part * making.job().samples)); // shown after one camera ray per pixel
+    });
     if (view.samples == 0 || (stop.stop_requested() && !view.isWhole)) return false;
     judged_ = std::make_shared<const View>(std::move(view));
     block_ = making.job().block;

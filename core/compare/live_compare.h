@@ -43,8 +43,9 @@ public:
     /// The field's picture still has to be made (finer); it waits for a reference.
     [[nodiscard]] bool wantsField() const;
     [[nodiscard]] int block() const { return block_; } ///< ViewJob::block of the picture that is judged
-    /// A slice of the field's picture. False: stopped.
-    bool advanceField(Workers& workers, const std::stop_token& stop);
+    /// A slice of the field's picture. False: stopped. `told` hears often, from any thread, which part is done of what
+    /// is shown next: that of a costly field's picture without blocks takes a minute.
+    bool advanceField(Workers& workers, const std::stop_token& stop, const std::function<void(double part)>& told = {});
     /// Nothing while there are no pictures of both. Error: as `viewError`.
     [[nodiscard]] std::optional<Result<ViewError>> error(ErrorKind kind) const;
 
