@@ -9,6 +9,7 @@
 #include <QTemporaryDir>
 #include <QtTest>
 #include <atomic>
+#include <mutex>
 
 using namespace lightloom;
 using namespace lightloom::test;
@@ -165,6 +166,34 @@ private Q_SLOTS:
         job.withDirect = false;
         const auto expected = viewError(plain(job, field.get()), *live.reference(), ErrorKind::relative);
         QVERIFY(expected && (*live.error(ErrorKind::relative))->map.values == expected->map.values);
+    }
+
+    void aCostlyFieldsLastPictureWaitsForTheReference()
+    {
+        BakeParams params;
+        params.photonCount = 20'000;
+        params.octreeDepth = 4;
+        CompareQuestion asked = question(20);
+        asked.job.width = 280, asked.job.height = 200; // a ray per pixel takes some time
+        LiveCompare live(asked);
+        live.setField(std::make_shared<const Costly>(bakeOctree(scene_, params).field));
+        int rays = 0, raysBefore = 0; // per pixel of the reference, when each pixel is judged, and before
+        std::vector<double> parts;
+        std::mutex telling;
+        const auto told = [&](double part) {
+            std::lock_guard lock(telling);
+            parts.push_back(part);
+        };
+        while (live.wantsField() || !live.isWhole()) {
+            const bool isField = live.wantsField();
+            const bool isDone = isField ? live.advanceField(workers_, {}, told) : live.advanceReference(workers_, {});
+            QVERIFY(isDone);
+            if (isField && live.block() == 1 && rays == 0) rays = live.reference()->samples;
+            if (isField && live.block() > 1) raysBefore = live.reference()->samples;
+        }
+        qInfo("%d rays per pixel before, %d then", raysBefore, rays);
+        QVERIFY(raysBefore > 0 && rays >= 16);
+        QVERIFY(!parts.empty() && std::ranges::all_of(parts, [](double p) { return p > 0.0 && p <= 1.0; }));
     }
 };
 

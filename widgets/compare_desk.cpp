@@ -29,6 +29,14 @@ QString captionOf(const ViewError& error)
     return QObject::tr("|Error| of the indirect light, of its mean");
 }
 
+/// The map shows the reference's noise rather than the bake's errors. While there is no telling of its noise it is
+/// large.
+bool isMostlyNoise(const ViewError& error)
+{
+    const double all = error.metrics.relRmse;
+    return !(error.noise > 0.0) || 2.0 * error.noise * error.noise > all * all;
+}
+
 HeatmapStyle scaleOf(const ViewError& error)
 {
     HeatmapStyle scale;
@@ -246,6 +254,7 @@ void CompareDesk::tellLegend()
             caption += tr("\nin blocks of %1 pixels so far").arg(errorBlock_);
             if (judgedPart_ > 0.0) caption += tr(", next %1 %").arg(100.0 * judgedPart_, 0, 'f', 0);
         }
+        if (isMostlyNoise(*error_)) caption += tr("\nmostly noise of the reference so far");
         parts_.legend->show(scaleOf(*error_), caption);
     } else if (shown_ || !picture_) {
         parts_.legend->show({}, tr("Light of the bake meanwhile. Reference: %1").arg(parts_.panel->stateText()));

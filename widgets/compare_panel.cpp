@@ -49,6 +49,8 @@ QString timeText(double seconds)
 
 } // namespace
 
+bool noiseCounts(const ViewError& error) { return error.noise > kNoisy * error.metrics.relRmse; }
+
 ComparePanel::ComparePanel(QAction* reference, QAction* wipe, QWidget* parent)
     : QWidget(parent), state_(textLines()), bar_(thinProgress(tr("Progress of the reference"))), samples_(new QSpinBox),
       size_(new QComboBox), judged_(textLines()), noise_(new QLabel)
@@ -149,7 +151,7 @@ void ComparePanel::show(const ErrorPicture& picture, const QString& judged)
     const ErrorMetrics& m = picture.error->metrics;
     judged_->setText(picture.block > 1 ? tr("%1, in blocks of %2 pixels so far").arg(judged).arg(picture.block)
                                        : judged);
-    if (picture.error->noise > kNoisy * m.relRmse)
+    if (noiseCounts(*picture.error))
         judged_->setText(tr("%1; noise of the reference still counts").arg(judged_->text()));
     for (std::size_t i = 0; i < kFigures.size(); ++i)
         figures_[i]->setText(percent(m.*kFigures[i].value, kFigures[i].isSigned));

@@ -12,6 +12,9 @@ class QSpinBox;
 
 namespace lightloom {
 
+/// The reference's own noise is more than a quarter of relRMSE, and so moves it by more than 3 %.
+[[nodiscard]] bool noiseCounts(const ViewError& error);
+
 /// The dock of comparing: how far the reference has come, and how far the bake is off it. Its buttons are the window's
 /// actions.
 class ComparePanel final : public QWidget {

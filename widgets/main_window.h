@@ -167,7 +167,7 @@ private:
     QWidget* makeShownButton();
     void showCuts(bool on);
     void showErrors(std::optional<ErrorKind> kind); ///< nothing: light
-    void mayShowCuts(); ///< or not, as the picture is made
+    void mayShowCuts();                             ///< or not, as the picture is made
     void connectCompare();
     // main_window_lamps.cpp: lamps that are moved
     void connectLamps();

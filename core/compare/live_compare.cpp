@@ -12,6 +12,7 @@ constexpr int kFieldSamples = 8;     ///< two even sets: edges are as smooth as 
 constexpr int kBlocks[] = {2, 4, 8}; ///< of a costly field's rough pictures, the last one first
 constexpr double kFirstSlice = 0.25, kLastSlice = 2.0,
                  kGrows = 0.1;         ///< seconds; a slice may take a tenth of all before
+constexpr int kBeforeCostly = 16;      ///< rays per pixel: before that a costly field's errors are lost in noise
 constexpr double kWorthKeeping = 10.0; ///< seconds
 
 ReferenceStore storeBeside(const std::filesystem::path& scene)
@@ -76,6 +77,7 @@ void LiveCompare::setField(std::shared_ptr<const IndirectField> field)
 {
     fields_.clear();
     judged_.reset();
+    isCostly_ = field && field->isCostly();
     if (!field) return;
     ViewJob job = question_.job;
     job.indirect = ViewJob::Indirect::field;
@@ -83,7 +85,7 @@ void LiveCompare::setField(std::shared_ptr<const IndirectField> field)
     job.withDirect = false;
     const auto add = [&] { fields_.emplace_back(question_.rays, question_.lights, question_.mix, field, job); };
     add();
-    if (!field->isCostly()) return;
+    if (!isCostly_) return;
     job.samples = 1;
     for (const int block : kBlocks) {
         job.block = block;
@@ -93,8 +95,10 @@ void LiveCompare::setField(std::shared_ptr<const IndirectField> field)
 
 bool LiveCompare::wantsField() const
 {
-    const bool isToBeMade = fields_.size() > 1 || (fields_.size() == 1 && !fields_.front().isWhole());
-    return isToBeMade && reference_ && !isRough_;
+    if (!reference_ || isRough_ || fields_.empty() || fields_.front().isWhole()) return false;
+    // its last picture takes a minute, which the reference would stand still
+    const bool isDear = fields_.size() == 1 && isCostly_;
+    return !isDear || isWhole() || reference_->samples >= kBeforeCostly;
 }
 
 bool LiveCompare::advanceField(Workers& workers, const std::stop_token& stop, const std::function<void(double)>& told)

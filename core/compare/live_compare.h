@@ -40,7 +40,8 @@ public:
     /// Judges `field` (under its own mix) from now on; null: nothing. A costly one first in blocks of pixels that get
     /// smaller, so that errors show within seconds.
     void setField(std::shared_ptr<const IndirectField> field);
-    /// The field's picture still has to be made (finer); it waits for a reference.
+    /// The field's picture still has to be made (finer); it waits for a reference, a costly one's last picture for 16
+    /// camera rays per pixel of it.
     [[nodiscard]] bool wantsField() const;
     [[nodiscard]] int block() const { return block_; } ///< ViewJob::block of the picture that is judged
     /// A slice of the field's picture. False: stopped. `told` hears often, from any thread, which part is done of what
@@ -60,7 +61,7 @@ private:
     FloatImage reflectance_;
     double seconds_ = 0;
     int block_ = 1;
-    bool isRough_ = false, wasStored_ = false;
+    bool isRough_ = false, wasStored_ = false, isCostly_ = false;
 };
 
 } // namespace lightloom
