@@ -3,11 +3,14 @@
 // and form change the picture without a bake and can be undone; dimming needs none either; the atlas, the light under
 // the cursor and the snapshots are the grid's; what was edited stays when the method changes, and the rest follows the
 // preset.
+#include "core/base/units.h"
 #include "core/ivg/irradiance_grid.h"
 #include "core/octree/light_octree.h"
 #include "core/params/param_text.h"
 #include "widgets/bake_panel.h"
 #include "widgets/gl/gl_probe.h"
+#include "widgets/pick_card.h"
+#include "widgets/pick_desk.h"
 #include "widgets/scene_dock.h"
 #include "widgets/snapshot_bar.h"
 #include "window_helpers.h"
@@ -218,6 +221,34 @@ private Q_SLOTS:
         QTest::mouseMove(viewport_, at - QPoint(3, 0));
         QTest::mouseMove(viewport_, at);
         QTRY_VERIFY_WITH_TIMEOUT(cursorText().contains("indirect"), kPatience);
+    }
+
+    /// A click tells what lights a place: its vertices, the light with its noise, and what would fall on other things.
+    void aClickTellsOfTheVertices()
+    {
+        PickDesk& desk = *window_->pickDesk();
+        const QImage before = picture();
+        QTest::mouseClick(viewport_, Qt::LeftButton, Qt::AltModifier,
+                          QPoint(viewport_->width() / 3, viewport_->height() * 9 / 10));
+        QVERIFY(QTest::qWaitFor([&] { return desk.picked() && desk.picked()->grid; }, kPatience));
+        const PickedGrid& picked = *desk.picked()->grid;
+        glm::vec3 lux(0.0f);
+        QVERIFY(picked.normal.y > 0.9f && picked.isLit && grid()->lookup(picked.point, picked.normal, lux));
+        QCOMPARE(picked.lux, lux);
+        QCOMPARE(picked.noise, grid()->noise(picked.point, picked.normal).value_or(-1.0f));
+        QVERIFY(!picked.vertices.empty() && picked.vertices.size() <= 8);
+        for (const glm::vec3 vertex : picked.vertices) {
+            const glm::vec3 way = glm::abs(vertex - picked.point) / picked.lattice.cellSize;
+            QVERIFY(glm::max(way.x, glm::max(way.y, way.z)) <= 2.0f);
+        }
+        // the floor faces up: so does what would lie just above it
+        QVERIFY(std::abs(luminance(picked.around[3]) / luminance(lux) - 1.0f) < 0.2f);
+        const QString text = desk.card().lines().join('\n');
+        for (const char* part : {"Grid of", "lx indirect at the point, noise", "vertices", "+y"})
+            QVERIFY2(text.contains(part), qPrintable(text));
+        QVERIFY(picture() != before); // marks over it
+        actionNamed(*window_, "Pick a cell")->trigger();
+        QVERIFY(!desk.picked() && picture() == before);
     }
 
     void theAtlasIsOfTheGrid()

@@ -83,7 +83,7 @@ void MainWindow::makeCompareActions()
                        tr("Reference on the left, bake on the right of an edge that can be moved"));
     wipe_->setCheckable(true);
     pick_ = makeAction(tr("&Pick a cell"), QKeySequence(Qt::Key_P),
-                       tr("Click a surface to see what octree or voxels keep there; again to put it away"));
+                       tr("Click a surface to see what octree, grid or voxels keep there; again to put it away"));
     pick_->setCheckable(true);
 }
 

@@ -238,7 +238,7 @@ void MainWindow::showShortcuts()
     add(tr("Right drag, W A S D, Q E"), tr("Look around and walk; Shift runs"));
     add(tr("Double click"), tr("Set the pivot"));
     add(tr("Drag, wheel on an object in the light"), tr("Move it level (Shift: up and down), turn it"));
-    add(tr("Alt+click"), tr("See what octree or voxels keep there"));
+    add(tr("Alt+click"), tr("See what octree, grid or voxels keep there"));
     add(tr("Arrow keys, Home, End"), tr("Move the wipe while its handle has the focus; Shift moves it finer"));
     auto* box = new QMessageBox(QMessageBox::NoIcon, tr("Keys and mouse"),
                                 QStringLiteral("<table>%1</table>").arg(rows), QMessageBox::Close, this);

@@ -68,8 +68,20 @@ float mostOf(const LeafPick& leaf)
     return most;
 }
 
+/// The vertices that light a place, each with a line to it.
+std::vector<Mark> marksOf(const PickedGrid& grid)
+{
+    std::vector<Mark> marks{{grid.point, grid.point, kDot, 6.0f}};
+    for (const glm::vec3 vertex : grid.vertices) {
+        marks.push_back({grid.point, vertex, kOther, 1.6f});
+        marks.push_back({vertex, vertex, kArrow, 7.0f});
+    }
+    return marks;
+}
+
 std::vector<Mark> marksOf(const PickedLeaf& picked, float reach)
 {
+    if (picked.grid) return marksOf(*picked.grid);
     std::vector<Mark> marks;
     if (!picked.leaf) return marks;
     const LeafPick& leaf = *picked.leaf;

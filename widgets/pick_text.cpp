@@ -115,12 +115,44 @@ QStringList voxelText(const LeafPick& leaf, const PickedVoxel& voxel)
     return lines;
 }
 
+QStringList gridText(const PickedGrid& grid)
+{
+    const glm::ivec3 cells = grid.lattice.cells;
+    const glm::vec3 size = grid.lattice.cellSize;
+    const auto metres = [](float m) { return QLocale().toString(static_cast<double>(m), 'g', 3); };
+    QStringList lines{(grid.isInside ? QObject::tr("Finer grid inside, %1 x %2 x %3 cells of %4 x %5 x %6 m")
+                                     : QObject::tr("Grid of %1 x %2 x %3 cells of %4 x %5 x %6 m"))
+                          .arg(cells.x)
+                          .arg(cells.y)
+                          .arg(cells.z)
+                          .arg(metres(size.x), metres(size.y), metres(size.z))};
+    if (!grid.isLit) return lines += QObject::tr("No vertex in the open lights this point");
+    const float lux = luminance(grid.lux);
+    QString here = QObject::tr("%1 lx indirect at the point").arg(numberText(lux));
+    if (grid.noise >= 0.0f && lux > 0.0f) {
+        here += QObject::tr(", noise %1 lx (%2 %)")
+                    .arg(numberText(grid.noise))
+                    .arg(static_cast<double>(100.0f * grid.noise / lux), 0, 'f', 1);
+    }
+    lines += here;
+    lines += QObject::tr("     from %n vertices", nullptr, static_cast<int>(grid.vertices.size()));
+    lines += QObject::tr("Just before it, on what faces");
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto i = static_cast<std::size_t>(2 * axis);
+        lines += QStringLiteral("     -%1  %2 lx,  +%1  %3 lx")
+                     .arg(QLatin1Char("xyz"[axis]))
+                     .arg(luxText(grid.around[i]), luxText(grid.around[i + 1]));
+    }
+    return lines;
+}
+
 } // namespace
 
 QString luxOfText(const PickedEntry& entry, const Vdl& vdl) { return numberText(luxOf(entry, vdl)); }
 
 QStringList pickText(const PickedLeaf& picked)
 {
+    if (picked.grid) return gridText(*picked.grid);
     if (!picked.leaf) return {QObject::tr("No cell with light here")};
     QStringList lines = picked.voxel ? voxelText(*picked.leaf, *picked.voxel) : leafText(*picked.leaf);
     if (!picked.photons.empty()) {

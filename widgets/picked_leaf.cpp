@@ -69,6 +69,31 @@ void addPhotons(const LightOctree& octree, const BakeView& view, PickedLeaf& out
     }
 }
 
+PickedGrid pickedGrid(const IrradianceGrid& whole, glm::vec3 p, glm::vec3 n)
+{
+    PickedGrid out;
+    out.point = p, out.normal = n;
+    out.isInside = whole.inside().grid && whole.inside().weight(p) > 0.5f;
+    const IrradianceGrid& grid = out.isInside ? *whole.inside().grid : whole;
+    out.lattice = grid.geometry().lattice;
+    out.isLit = whole.lookup(p, n, out.lux);
+    out.noise = whole.noise(p, n).value_or(-1.0f);
+    GridCorners corners;
+    if (out.isLit && grid.findCorners(p, n, corners)) {
+        for (const GridCorner& corner : corners)
+            if (corner.weight > 0.0f) out.vertices.push_back(out.lattice.position(out.lattice.vertex(corner.vertex)));
+    }
+    for (int i = 0; i < 6; ++i) { // in mid-air, as far before the surface as it is asked for itself
+        glm::vec3 facing(0.0f);
+        facing[i / 2] = i % 2 == 0 ? -1.0f : 1.0f;
+        const float before = grid.show().offset *
+                             glm::min(out.lattice.cellSize.x, glm::min(out.lattice.cellSize.y, out.lattice.cellSize.z));
+        if (!whole.lookup(p + before * n, facing, out.around[static_cast<std::size_t>(i)]))
+            out.around[static_cast<std::size_t>(i)] = glm::vec3(0.0f);
+    }
+    return out;
+}
+
 } // namespace
 
 PickedLeaf pickedLeaf(const BakeView& view, glm::vec3 p, glm::vec3 n)
@@ -76,6 +101,10 @@ PickedLeaf pickedLeaf(const BakeView& view, glm::vec3 p, glm::vec3 n)
     PickedLeaf out;
     out.field = view.snapshot.field;
     const IndirectField* field = view.snapshot.field.get();
+    if (const auto* grid = dynamic_cast<const IrradianceGrid*>(field)) {
+        out.grid = pickedGrid(*grid, p, n);
+        return out;
+    }
     const auto* octree = dynamic_cast<const LightOctree*>(field);
     const auto* cuts = dynamic_cast<const VoxelCuts*>(field);
     const auto* voxels = cuts ? &cuts->field() : dynamic_cast<const VoxelField*>(field);
