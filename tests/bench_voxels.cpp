@@ -7,6 +7,7 @@
 #include "core/base/sampling.h"
 #include "core/photonmap/photon_products.h"
 #include "core/scene/shapes.h"
+#include "core/transport/chain_partners.h"
 #include "core/transport/first_light.h"
 #include "core/transport/voxel_bounces.h"
 #include "tests/bench_clock.h"
@@ -71,22 +72,26 @@ void benchCells(const std::string& name, const SceneProducts& at, const Bounds& 
 {
     const auto voxels = voxelise(bounds, *at.reach, cells, 0.0f, workers, {});
     const SurfaceVoxels means = withMeanNormals(*voxels);
-    const VoxelOrders orders(*voxels), meanOrders(means);
+    const VoxelOrders orders(*voxels), meanOrders(means), chainOrders(means, VoxelLines::paper);
     LinePartners lines(*voxels, orders), meanLines(means, meanOrders);
+    ChainPartners chain(means, chainOrders);
     const std::vector<LineDirection> set = directionSet(options.directions);
     const int walked = std::min(options.directions, 48);
     constexpr std::size_t kRays = 200'000;
     const std::vector<Ray> rays = raysFrom(*at.rays, *voxels, *at.reach, kRays);
-    const auto walk = [&](LinePartners& partners) {
+    const auto walk = [&](PartnerFinder& partners) {
         for (int d = 0; d < walked; ++d) partners.find(set[static_cast<std::size_t>(d)], static_cast<std::uint32_t>(d));
     };
-    const std::vector<double> t =
-        medians({[&] { bareEmbree(*at.rays, rays); }, [&] { walk(meanLines); }, [&] { walk(lines); }});
-    const double embree = static_cast<double>(kRays) / t[0] * 1e-6,
-                 mean = static_cast<double>(means.entries.size() * std::size_t(walked)) / t[1] * 1e-6,
-                 shipped = static_cast<double>(voxels->entries.size() * std::size_t(walked)) / t[2] * 1e-6;
-    fmt::print("{:<16} {:4} {:8} {:8} {:7.2f} {:8.1f} {:6.1f} {:8.1f} {:6.1f}\n", name, cells, means.entries.size(),
-               voxels->entries.size(), embree, mean, mean / embree, shipped, shipped / embree);
+    const std::vector<double> t = medians(
+        {[&] { bareEmbree(*at.rays, rays); }, [&] { walk(chain); }, [&] { walk(meanLines); }, [&] { walk(lines); }});
+    const double embree = static_cast<double>(kRays) / t[0] * 1e-6;
+    fmt::print("{:<16} {:4} {:8} {:8} {:7.2f}", name, cells, means.entries.size(), voxels->entries.size(), embree);
+    for (const std::size_t form : {1, 2, 3}) {
+        const std::size_t entries = (form == 3 ? *voxels : means).entries.size();
+        const double useful = static_cast<double>(entries * std::size_t(walked)) / t[form] * 1e-6;
+        fmt::print(" |{:7.1f} {:6.1f} {:6.1f}", useful, useful / embree, 2.0 * useful / embree);
+    }
+    fmt::print("\n");
 }
 
 void benchBounces(const std::string& name, const SceneProducts& at, const Bounds& bounds, int cells,
@@ -304,7 +309,8 @@ int main(int argc, char** argv)
         if (!at) return fmt::print(stderr, "{}\n", at.error().message), 1;
         const auto cellsOr = [&](std::vector<int> usual) { return options.cells.empty() ? usual : options.cells; };
         if (wants("walk")) {
-            fmt::print("\nM rays/s            cells   voxels  entries rtcInt1     mean ratio  entries ratio\n");
+            fmt::print("\nM useful rays/s     cells   voxels  entries rtcInt1 |  paper useful  both |    one useful  "
+                       "both |entries useful  both\n");
             for (const int cells : cellsOr({64, 128, 256}))
                 benchCells(name, *at, scene->bounds, cells, options, workers);
         }

@@ -25,7 +25,7 @@ private Q_SLOTS:
     void pairsAreThoseOfBounces()
     {
         QFETCH(int, number);
-        const ShownLines shown = shownLines(*voxels_.rays, *voxels_.surface, number, 1'000'000);
+        const ShownLines shown = shownLines(*voxels_.rays, *voxels_.surface, VoxelLines::covered, number, 1'000'000);
         QCOMPARE(shown.every, 1);
         QCOMPARE(shown.lines.size(), shown.allLines);
         const PartnerBlock& block = table_->block(std::size_t(number) / PartnerBlock::kDirections);
@@ -52,8 +52,8 @@ private Q_SLOTS:
 
     void someOfManyAreShown()
     {
-        const ShownLines all = shownLines(*voxels_.rays, *voxels_.surface, 7, 1'000'000),
-                         some = shownLines(*voxels_.rays, *voxels_.surface, 7, 40);
+        const ShownLines all = shownLines(*voxels_.rays, *voxels_.surface, VoxelLines::covered, 7, 1'000'000),
+                         some = shownLines(*voxels_.rays, *voxels_.surface, VoxelLines::covered, 7, 40);
         QCOMPARE(some.allLines, all.allLines);
         QVERIFY(some.every > 1 && some.lines.size() >= 15 && some.lines.size() <= 80);
         QVERIFY(some.pairs.size() >= 5 && some.pairs.size() < all.pairs.size() / 5);

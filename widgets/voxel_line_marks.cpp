@@ -23,9 +23,11 @@ std::shared_ptr<const SurfaceVoxels> voxelsOf(const BakeView& view, const VoxelF
     if (!view.rays || !view.reach) return nullptr;
     const int cells = field.surface().cells;
     const float shift = view.params.gridShift;
-    if (kept.reach != view.reach || kept.cells != cells || kept.shift != shift) {
+    const VoxelLines lines = view.params.voxelLines;
+    if (kept.reach != view.reach || kept.cells != cells || kept.shift != shift || kept.lines != lines) {
         Workers workers(1);
-        kept = {view.reach, cells, shift, voxelise(view.rays->scene().bounds, *view.reach, cells, shift, workers, {})};
+        auto voxels = voxelise(view.rays->scene().bounds, *view.reach, cells, shift, workers, {});
+        kept = {view.reach, cells, shift, lines, voxelsFor(lines, std::move(voxels))};
     }
     const bool isSame = kept.voxels && kept.voxels->entries.size() == field.surface().leaves->entries.size();
     return isSame ? kept.voxels : nullptr;
@@ -51,7 +53,7 @@ VoxelLineMarks voxelLineMarks(const BakeView& view, int direction, LineVoxels& k
     if (direction < 0 || !field) return out;
     const auto voxels = voxelsOf(view, *field, kept);
     if (!voxels || voxels->entries.empty()) return out;
-    const ShownLines shown = shownLines(*view.rays, *voxels, direction, kMostLines);
+    const ShownLines shown = shownLines(*view.rays, *voxels, kept.lines, direction, kMostLines);
 
     for (const ShownLines::Line& line : shown.lines) out.marks.push_back({line.from, line.to, kLine, 1.0f});
     ScalarImage taken{static_cast<int>(shown.pairs.size()), 1, {}};

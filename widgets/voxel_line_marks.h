@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "core/params/voxel_choices.h"
 #include "widgets/gl/mark_pass.h"
 #include <QMetaType>
 #include <QString>
@@ -23,6 +24,7 @@ struct LineVoxels {
     std::shared_ptr<const LightReach> reach;
     int cells = 0;
     float shift = 0.0f;
+    VoxelLines lines = VoxelLines::covered;
     std::shared_ptr<const SurfaceVoxels> voxels;
 };
 

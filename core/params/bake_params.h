@@ -67,6 +67,7 @@ struct BakeParams {
     int voxelSize = 64;
     int voxelSamples = 4;
     int voxelDirections = 512;
+    VoxelLines voxelLines = VoxelLines::covered;
     float voxelGain = 0.005f;
     VoxelBounces voxelBounces = VoxelBounces::halving;
     VoxelSmooth voxelSmooth = VoxelSmooth::bounced;
@@ -114,12 +115,13 @@ enum MethodBit : unsigned {
 
 /// One parameter: the only description of it. Command line, panels, files and the manual loop over `kParams`.
 struct ParamSpec {
-    using Field = std::variant<int BakeParams::*, float BakeParams::*, std::uint64_t BakeParams::*,
-                               GatherKernel BakeParams::*, GatherArea BakeParams::*, GatherFit BakeParams::*,
-                               Switch BakeParams::*, VdlForm BakeParams::*, OctreeShow BakeParams::*,
-                               OctreeValues BakeParams::*, PhotonLookup BakeParams::*, GridEstimator BakeParams::*,
-                               GridRemap BakeParams::*, GridFilter BakeParams::*, GridNest BakeParams::*,
-                               VoxelLookup BakeParams::*, VoxelBounces BakeParams::*, VoxelSmooth BakeParams::*>;
+    using Field =
+        std::variant<int BakeParams::*, float BakeParams::*, std::uint64_t BakeParams::*, GatherKernel BakeParams::*,
+                     GatherArea BakeParams::*, GatherFit BakeParams::*, Switch BakeParams::*, VdlForm BakeParams::*,
+                     OctreeShow BakeParams::*, OctreeValues BakeParams::*, PhotonLookup BakeParams::*,
+                     GridEstimator BakeParams::*, GridRemap BakeParams::*, GridFilter BakeParams::*,
+                     GridNest BakeParams::*, VoxelLookup BakeParams::*, VoxelLines BakeParams::*,
+                     VoxelBounces BakeParams::*, VoxelSmooth BakeParams::*>;
     std::string_view key;   ///< for ever: files hold it
     std::string_view label; ///< in the window
     std::string_view unit;  ///< "" for a pure number
@@ -204,6 +206,8 @@ inline constexpr std::array kParams{
               "Points on each voxel's surface from which each lamp is looked for. More: less noise in the light that goes on from there."},
     ParamSpec{"voxel.directions", "Directions", "", 1, 8192, 128, kForVoxels, Stage::fit, &BakeParams::voxelDirections, {},
               "Along which light is carried at the first bounce, each both ways; later bounces take half as many each. Time grows in step."},
+    ParamSpec{"voxel.lines", "Lines", "", 0, 1, 1, kForVoxels, Stage::build, &BakeParams::voxelLines, kVoxelLinesNames,
+              "covered: lines meet what surface covers of them, entries of several orientations a voxel. paper: one normal a voxel, chain rule alone."},
     ParamSpec{"voxel.gain", "Least gain of a bounce", "fraction", 0.0001, 1, 0.001, kForVoxels, Stage::fit, &BakeParams::voxelGain, {},
               "Light bounces on until one adds less than this share; what is still missing then is added as a series."},
     ParamSpec{"voxel.bounces", "Bounces", "", 0, 1, 1, kForVoxels, Stage::fit, &BakeParams::voxelBounces, kVoxelBouncesNames,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "core/transport/line_slots.h"
+#include "core/transport/partner_finder.h"
 
 namespace lightloom {
 
@@ -16,14 +17,12 @@ namespace lightloom {
 /// away from a line or ends at an edge that is open outwards, lines pass beside it, as often as it leaves room in their
 /// cross-section. Where several entries of a voxel could answer, one is drawn by how much of it is seen: area times
 /// cosine (docs/methods/voxel-lightcuts.md).
-class LinePartners {
+class LinePartners final : public PartnerFinder {
 public:
-    static constexpr std::uint32_t kNothing = 0xFFFFFFFFu;
     /// Both must outlive this.
     LinePartners(const SurfaceVoxels& voxels, const VoxelOrders& orders);
 
-    /// Partners by entry, valid until the next call. `number` of the direction: draws depend on it and the voxel alone.
-    std::span<std::uint32_t> find(const LineDirection& direction, std::uint32_t number);
+    std::span<std::uint32_t> find(const LineDirection& direction, std::uint32_t number) override;
 
 private:
     /// Entries of one voxel, a bit each.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/transport/partner_table.h"
+#include "core/transport/chain_partners.h"
 #include <algorithm>
 #include <atomic>
 #include <cassert>
@@ -15,6 +16,12 @@ std::size_t blocksFor(int directions)
 }
 
 } // namespace
+
+std::unique_ptr<PartnerFinder> partnerFinder(const SurfaceVoxels& voxels, const VoxelOrders& orders)
+{
+    if (orders.lines() == VoxelLines::paper) return std::make_unique<ChainPartners>(voxels, orders);
+    return std::make_unique<LinePartners>(voxels, orders);
+}
 
 PartnerBlock::PartnerBlock(std::size_t entries)
 {
@@ -49,28 +56,28 @@ std::uint32_t PartnerBlock::partner(std::size_t entry, std::size_t direction) co
     return narrow_ ? narrow_[at] : wide_[at];
 }
 
-std::unique_ptr<LinePartners> BlockWalker::takeLines()
+std::unique_ptr<PartnerFinder> BlockWalker::takeFinder()
 {
     const std::scoped_lock lock(mutex_);
-    if (idle_.empty()) return std::make_unique<LinePartners>(voxels_, orders_);
-    std::unique_ptr<LinePartners> lines = std::move(idle_.back());
+    if (idle_.empty()) return partnerFinder(voxels_, orders_);
+    std::unique_ptr<PartnerFinder> finder = std::move(idle_.back());
     idle_.pop_back();
-    return lines;
+    return finder;
 }
 
 PartnerBlock BlockWalker::walk(std::size_t block)
 {
     const std::size_t entries = voxels_.entries.size(), first = block * PartnerBlock::kDirections;
-    std::vector<std::uint32_t> found(entries * PartnerBlock::kDirections, LinePartners::kNothing);
-    std::unique_ptr<LinePartners> lines = takeLines();
+    std::vector<std::uint32_t> found(entries * PartnerBlock::kDirections, PartnerFinder::kNothing);
+    std::unique_ptr<PartnerFinder> finder = takeFinder();
     for (std::size_t i = 0; i < PartnerBlock::kDirections && first + i < directions_.size(); ++i) {
         const LineDirection& direction = directions_[first + i];
-        const std::span<std::uint32_t> partners = lines->find(direction, static_cast<std::uint32_t>(first + i));
-        exact_.complete(direction, partners);
+        const std::span<std::uint32_t> partners = finder->find(direction, static_cast<std::uint32_t>(first + i));
+        if (orders_.lines() == VoxelLines::covered) exact_.complete(direction, partners);
         std::ranges::copy(partners, found.begin() + static_cast<std::ptrdiff_t>(i * entries));
     }
     const std::scoped_lock lock(mutex_);
-    idle_.push_back(std::move(lines));
+    idle_.push_back(std::move(finder));
     return {entries, found};
 }
 

@@ -32,8 +32,8 @@ private:
     std::unique_ptr<std::uint32_t[]> wide_;
 };
 
-/// Walks the lines of a set of directions: partners by discrete lines, where these leave a closed room by exact rays.
-/// Any number of threads may ask for blocks.
+/// Walks the lines of a set of directions: partners by discrete lines, where these leave a closed room by exact rays
+/// (the papers' lines, without). Any number of threads may ask for blocks.
 class BlockWalker {
 public:
     /// All must outlive this.
@@ -46,14 +46,14 @@ public:
     [[nodiscard]] PartnerBlock walk(std::size_t block);
 
 private:
-    [[nodiscard]] std::unique_ptr<LinePartners> takeLines();
+    [[nodiscard]] std::unique_ptr<PartnerFinder> takeFinder();
 
     const SurfaceVoxels& voxels_;
     const VoxelOrders& orders_;
     ExactPartners exact_;
     std::span<const LineDirection> directions_;
     std::mutex mutex_;
-    std::vector<std::unique_ptr<LinePartners>> idle_;
+    std::vector<std::unique_ptr<PartnerFinder>> idle_;
 };
 
 /// Partners of all entries along the first directions of `directionSet`, stored once per geometry: each bounce and each

@@ -98,6 +98,25 @@ private:
     std::array<std::vector<VoxelPlace>, kSeveral + 1> byKind_;
 };
 
+/// The same for the papers' walk, in lexicographic order: what it reads, and no more.
+void fillPlain(const SurfaceVoxels& voxels, WalkOrder& order)
+{
+    const std::size_t slots = order.places.size() + WalkOrder::kSpare;
+    order.entry.resize(slots, WalkOrder::kNoEntry), order.uv.resize(slots);
+    order.x.resize(slots), order.y.resize(slots), order.z.resize(slots);
+    std::uint32_t slot = 0;
+    for (int slice = 0; slice <= voxels.cells; ++slice) {
+        order.firstSlot.push_back(slot);
+        for (; slot < order.places.size() && order.places[slot].slice == slice; ++slot) {
+            const VoxelPlace& place = order.places[slot];
+            const glm::vec3 n = voxels.entries[place.voxel].normal;
+            order.entry[slot] = place.voxel;
+            order.uv[slot] = place.u | static_cast<std::uint32_t>(place.v) << 16;
+            order.x[slot] = n.x, order.y[slot] = n.y, order.z[slot] = n.z;
+        }
+    }
+}
+
 /// floor(-step * slice / largest + 1/2), largest > 0.
 int stepsAside(int step, int slice, int largest)
 {
@@ -107,11 +126,18 @@ int stepsAside(int step, int slice, int largest)
 
 } // namespace
 
-VoxelOrders::VoxelOrders(const SurfaceVoxels& voxels)
+std::shared_ptr<const SurfaceVoxels> voxelsFor(VoxelLines lines, std::shared_ptr<const SurfaceVoxels> voxels)
+{
+    if (lines == VoxelLines::covered) return voxels;
+    return std::make_shared<const SurfaceVoxels>(withMeanNormals(*voxels));
+}
+
+VoxelOrders::VoxelOrders(const SurfaceVoxels& voxels, VoxelLines lines) : lines_(lines)
 {
     static_assert(kMostVoxels <= 65'536);
+    assert(lines == VoxelLines::covered || voxels.entries.size() == voxels.voxels.size());
     std::vector<VoxelPlace> spare;
-    SurfaceBends bends = surfaceBends(voxels);
+    SurfaceBends bends = lines == VoxelLines::covered ? surfaceBends(voxels) : SurfaceBends{};
     for (int axis = 0; axis < 3; ++axis) {
         WalkOrder& order = orders_[static_cast<std::size_t>(axis)];
         order.places.reserve(voxels.voxels.size());
@@ -123,7 +149,7 @@ VoxelOrders::VoxelOrders(const SurfaceVoxels& voxels)
             order.places.push_back({at(axis), at(axis + 1), at(axis + 2), i});
         }
         for (const auto digit : kDigits) sortBy(digit, voxels.cells, order.places, spare);
-        SlotFiller(voxels, bends, order).fill();
+        lines == VoxelLines::covered ? SlotFiller(voxels, bends, order).fill() : fillPlain(voxels, order);
     }
     edges_ = std::move(bends.edges);
 }

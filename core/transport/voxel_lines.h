@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include "core/params/voxel_choices.h"
 #include "core/transport/direction_set.h"
 #include "core/transport/surface_bend.h"
 #include <array>
@@ -43,16 +44,23 @@ struct WalkOrder {
     std::vector<Plane> planes;
 };
 
+/// `voxels` as the walk along lines wants them: for VoxelLines::paper one entry each (`withMeanNormals`).
+[[nodiscard]] std::shared_ptr<const SurfaceVoxels> voxelsFor(VoxelLines lines,
+                                                             std::shared_ptr<const SurfaceVoxels> voxels);
+
 /// Voxels in three lexicographic orders, one per axis (that axis first): voxels of any line that follows an axis most
 /// come one after the other in its order. Sorted once, by radix, O(voxels).
 class VoxelOrders {
 public:
-    explicit VoxelOrders(const SurfaceVoxels& voxels);
+    /// For VoxelLines::paper slots of a slice lie in lexicographic order and hold entry, normal, u and v alone.
+    explicit VoxelOrders(const SurfaceVoxels& voxels, VoxelLines lines = VoxelLines::covered);
+    [[nodiscard]] VoxelLines lines() const { return lines_; }
     [[nodiscard]] const WalkOrder& along(int axis) const { return orders_[static_cast<std::size_t>(axis)]; }
     [[nodiscard]] std::span<const SurfaceBends::Edges> edges() const { return edges_; }
     [[nodiscard]] std::size_t memoryBytes() const;
 
 private:
+    VoxelLines lines_;
     std::array<WalkOrder, 3> orders_;
     std::vector<SurfaceBends::Edges> edges_;
 };

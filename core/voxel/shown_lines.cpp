@@ -39,15 +39,15 @@ void addPairs(const SurfaceVoxels& voxels, std::span<const std::uint32_t> byLine
 
 } // namespace
 
-ShownLines shownLines(const RayScene& rays, const SurfaceVoxels& voxels, int number, std::size_t most)
+ShownLines shownLines(const RayScene& rays, const SurfaceVoxels& voxels, VoxelLines how, int number, std::size_t most)
 {
     ShownLines out;
     out.direction = directionSet(number + 1).back();
-    const VoxelOrders orders(voxels);
-    LinePartners walk(voxels, orders);
-    const std::span<std::uint32_t> partners = walk.find(out.direction, static_cast<std::uint32_t>(number));
+    const VoxelOrders orders(voxels, how);
+    const std::unique_ptr<PartnerFinder> walk = partnerFinder(voxels, orders);
+    const std::span<std::uint32_t> partners = walk->find(out.direction, static_cast<std::uint32_t>(number));
     const std::vector<std::uint32_t> byLines(partners.begin(), partners.end());
-    ExactPartners(rays, voxels).complete(out.direction, partners);
+    if (how == VoxelLines::covered) ExactPartners(rays, voxels).complete(out.direction, partners);
 
     const WalkOrder& order = orders.along(out.direction.major);
     const LineNumbers numbers(out.direction, voxels.cells);

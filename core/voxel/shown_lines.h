@@ -24,7 +24,8 @@ struct ShownLines {
 };
 
 /// Lines along direction `number` of the set (directionSet), from 0; about `most` of them, evenly spread. Partners are
-/// those that a bake's bounces of more than `number` directions have. O(voxels).
-[[nodiscard]] ShownLines shownLines(const RayScene& rays, const SurfaceVoxels& voxels, int number, std::size_t most);
+/// those that a bake's bounces of more than `number` directions have, by lines as `how` says. O(voxels).
+[[nodiscard]] ShownLines shownLines(const RayScene& rays, const SurfaceVoxels& voxels, VoxelLines how, int number,
+                                    std::size_t most);
 
 } // namespace lightloom

@@ -92,7 +92,8 @@ private:
 
     [[nodiscard]] std::string geometryKey() const
     {
-        return fmt::format("{}voxels {} shift {} ", scene_.reachKey, params_.voxelSize, params_.gridShift);
+        return fmt::format("{}voxels {} shift {} {} ", scene_.reachKey, params_.voxelSize, params_.gridShift,
+                           kVoxelLinesNames[static_cast<std::size_t>(params_.voxelLines)]);
     }
     [[nodiscard]] Result<std::shared_ptr<const VoxelGeometry>> geometry()
     {
@@ -105,16 +106,17 @@ private:
         if (const Result<Done> fits = checkMemory(voxelBytes(bounds, reach, params_.voxelSize), params_); !fits)
             return fits.error();
         const StageClock clock("voxels", control_);
-        const auto voxels =
+        const auto clipped =
             before ? revoxelise(*before->voxels, *before->reach, bounds, reach, params_.voxelSize, params_.gridShift,
                                 control_.workers(), control_.stop())
                    : voxelise(bounds, reach, params_.voxelSize, params_.gridShift, control_.workers(), control_.stop());
-        if (!voxels) return cancelled();
-        products_.keep<VoxelsBefore>(place, std::make_shared<const VoxelsBefore>(VoxelsBefore{voxels, scene_.reach}));
+        if (!clipped) return cancelled();
+        products_.keep<VoxelsBefore>(place, std::make_shared<const VoxelsBefore>(VoxelsBefore{clipped, scene_.reach}));
+        const auto voxels = voxelsFor(params_.voxelLines, clipped);
         auto surface = voxelSurface(*voxels, entryAlbedos(*scene_.rays, reach, *voxels),
                                     entryMattAlbedos(*scene_.rays, reach, *voxels));
-        auto made =
-            std::make_shared<const VoxelGeometry>(VoxelGeometry{voxels, VoxelOrders(*voxels), std::move(surface)});
+        auto made = std::make_shared<const VoxelGeometry>(
+            VoxelGeometry{voxels, VoxelOrders(*voxels, params_.voxelLines), std::move(surface)});
         products_.keep<VoxelGeometry>(key, made, clock.stop());
         return made;
     }
