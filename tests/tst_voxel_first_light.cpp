@@ -108,6 +108,14 @@ private Q_SLOTS:
         QCOMPARE(alone.channels, 3);
         for (std::size_t e = 0; e < lux.entries(); ++e)
             for (std::size_t c = 0; c < 3; ++c) QCOMPARE(alone.values[3 * e + c], lux.values[6 * e + 3 + c]);
+        // points that are kept for the next lamp change nothing
+        const auto points = entryPoints(*s.reach, *s.voxels, 2, 1, three, {});
+        QCOMPARE(points->points.size(), 2 * lux.entries());
+        QVERIFY(firstLight(*s.lights, *s.reach, *s.voxels, s.groups, 2, 1, three, {}, {}, points.get()).values ==
+                lux.values);
+        const auto others = entryPoints(*s.reach, *s.voxels, 2, 2, three, {});
+        QVERIFY(firstLight(*s.lights, *s.reach, *s.voxels, s.groups, 2, 1, three, {}, {}, others.get()).values !=
+                lux.values);
         RunningMean lumen[2]; // the rooms are closed: all light of each lamp falls on their surface
         for (std::uint64_t seed = 1; seed <= 12; ++seed) {
             const EntryValues found = firstLight(*s.lights, *s.reach, *s.voxels, s.groups, 4, seed, three, {});

@@ -13,7 +13,8 @@ constexpr std::int32_t kSameWall = 2; ///< slices
 
 } // namespace
 
-LIGHTLOOM_WIDE_VECTORS void walkChains(const ChainSlots& s, std::size_t first, std::size_t end, const ChainWalk& walk)
+LIGHTLOOM_EIGHT_WIDE_VECTORS void walkChains(const ChainSlots& s, std::size_t first, std::size_t end,
+                                             const ChainWalk& walk)
 {
     alignas(32) std::uint32_t numbers[kChunk];
     alignas(32) ChainLine met[kChunk]; // what is read and written of lines, in one piece
@@ -54,7 +55,7 @@ LIGHTLOOM_WIDE_VECTORS void walkChains(const ChainSlots& s, std::size_t first, s
     }
 }
 
-LIGHTLOOM_WIDE_VECTORS void chainsToEntries(const ChainSlots& s, std::size_t count, std::uint32_t* partners)
+LIGHTLOOM_EIGHT_WIDE_VECTORS void chainsToEntries(const ChainSlots& s, std::size_t count, std::uint32_t* partners)
 {
     for (std::size_t i = 0; i < count; ++i) {
         const std::int32_t found = s.found[i];

@@ -5,6 +5,7 @@
 #include "core/trace/material.h"
 #include <algorithm>
 #include <atomic>
+#include <cassert>
 #include <limits>
 
 namespace lightloom {
@@ -45,20 +46,19 @@ std::vector<glm::vec3> overPieces(const RayScene& rays, const LightReach& reach,
     return means;
 }
 
-struct PointOnEntry {
-    glm::vec3 position, normal;
-};
+constexpr std::size_t kBlock = 256; ///< entries of a job
 
-void spreadPoints(std::size_t e, int samples, std::uint64_t seed, const LightReach& reach, const SurfaceVoxels& voxels,
-                  std::vector<PointOnEntry>& points)
+/// Points of entry `e`, as many as `points` has room for.
+void spreadPoints(std::size_t e, std::uint64_t seed, const LightReach& reach, const SurfaceVoxels& voxels,
+                  std::span<PointOnEntry> points)
 {
-    points.clear();
+    const int samples = static_cast<int>(points.size());
     Rng rng(seed, hashName("first light"), e);
     const ShiftedPoints spread(samples, rng);
     for (int i = 0; i < samples; ++i) {
         std::uint32_t facet = 0;
         const glm::vec3 p = voxels.pointOn(e, {rng.uniform(), spread[i].x, spread[i].y}, reach, facet);
-        points.push_back({p, reach.facets()[facet].normal});
+        points[static_cast<std::size_t>(i)] = {p, reach.facets()[facet].normal};
     }
 }
 
@@ -139,24 +139,44 @@ std::vector<glm::vec3> entryMattAlbedos(const RayScene& rays, const LightReach& 
     return isSpecular ? albedos : std::vector<glm::vec3>{};
 }
 
+std::shared_ptr<const EntryPoints> entryPoints(const LightReach& reach, const SurfaceVoxels& voxels, int samples,
+                                               std::uint64_t seed, Workers& workers, const std::stop_token& stop)
+{
+    const std::size_t entries = voxels.entries.size(), each = static_cast<std::size_t>(samples);
+    auto made = std::make_shared<EntryPoints>();
+    made->samples = samples;
+    made->points.resize(entries * each);
+    const bool all = workers.run((entries + kBlock - 1) / kBlock, stop, [&](std::size_t block) {
+        for (std::size_t e = block * kBlock; e < std::min(entries, (block + 1) * kBlock); ++e)
+            spreadPoints(e, seed, reach, voxels, std::span(made->points).subspan(e * each, each));
+    });
+    return all ? made : nullptr;
+}
+
 EntryValues firstLight(const LightSampler& lights, const LightReach& reach, const SurfaceVoxels& voxels,
                        std::span<const int> groups, int samples, std::uint64_t seed, Workers& workers,
-                       const std::stop_token& stop, const std::function<void(double)>& progress)
+                       const std::stop_token& stop, const std::function<void(double)>& progress,
+                       const EntryPoints* kept)
 {
+    assert(!kept || (kept->samples == samples &&
+                     kept->points.size() == voxels.entries.size() * static_cast<std::size_t>(samples)));
     const std::size_t count = groups.size(), entries = voxels.entries.size();
     EntryValues lux{static_cast<int>(3 * count), std::vector<float>(3 * count * entries, 0.0f)};
-    constexpr std::size_t kBlock = 256;
+    const std::uint64_t stream = hashName("first light of a group");
     const auto light = [&](std::size_t e, std::size_t g, std::span<const PointOnEntry> points) {
-        Rng rng(seed, hashName("first light of a group") + static_cast<std::uint64_t>(groups[g]), e);
+        Rng rng(seed, stream + static_cast<std::uint64_t>(groups[g]), e);
         const glm::vec3 found = GroupLight(lights, groups[g]).over(points, rng);
         for (int c = 0; c < 3; ++c) lux.values[(e * count + g) * 3 + static_cast<std::size_t>(c)] = found[c];
     };
     const std::size_t blocks = (entries + kBlock - 1) / kBlock;
     std::atomic<std::size_t> done = 0;
     const bool all = workers.run(blocks, stop, [&](std::size_t block) {
-        std::vector<PointOnEntry> points;
+        const auto each = static_cast<std::size_t>(samples);
+        std::vector<PointOnEntry> own(kept ? 0 : each);
         for (std::size_t e = block * kBlock; e < std::min(entries, (block + 1) * kBlock); ++e) {
-            spreadPoints(e, samples, seed, reach, voxels, points);
+            if (!kept) spreadPoints(e, seed, reach, voxels, own);
+            const auto points =
+                kept ? std::span(kept->points).subspan(e * each, each) : std::span<const PointOnEntry>(own);
             for (std::size_t g = 0; g < count; ++g) light(e, g, points);
         }
         if (progress) progress(static_cast<double>(++done) / static_cast<double>(blocks));

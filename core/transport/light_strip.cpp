@@ -67,10 +67,17 @@ void LightStrip::arrive(const RayScene& rays, const SurfaceVoxels& voxels, std::
 /// Lumen of each group that the bounce brings to all entries, its three channels together.
 std::vector<double> LightStrip::lumenArrived() const
 {
-    std::vector<double> lumen(groups_.size(), 0.0);
-    for (std::size_t e = 0; e < entries_.size(); ++e) {
-        const float* lux = arriving_.line(e);
-        for (std::size_t c = 0; c < channels_; ++c) lumen[c / 3] += static_cast<double>(lux[c] * entries_[e].area);
+    std::vector<double> lumen;
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+        double sum = 0.0;
+        for (std::size_t e = 0; e < entries_.size(); ++e) {
+            const float* lux = arriving_.line(e);
+            double here = 0.0; // one step of the long sum: each waits for the one before
+            for (std::size_t c = 3 * g; c < std::min(channels_, 3 * g + 3); ++c)
+                here += static_cast<double>(lux[c] * entries_[e].area);
+            sum += here;
+        }
+        lumen.push_back(sum);
     }
     return lumen;
 }

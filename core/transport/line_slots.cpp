@@ -9,8 +9,8 @@ using Unsigned8 = std::uint32_t __attribute__((vector_size(32)));
 
 } // namespace
 
-LIGHTLOOM_WIDE_VECTORS void prepareSlots(const SliceSlots& s, std::size_t count, const SliceWalk& walk,
-                                         const PreparedSlots& out)
+LIGHTLOOM_EIGHT_WIDE_VECTORS void prepareSlots(const SliceSlots& s, std::size_t count, const SliceWalk& walk,
+                                               const PreparedSlots& out)
 {
     for (std::size_t i = 0; i < (count + kLanes - 1) / kLanes; ++i) {
         const Floats8 cosine = lanesOf<Floats8>(s.x, i) * walk.along.x + lanesOf<Floats8>(s.y, i) * walk.along.y +
@@ -27,8 +27,8 @@ LIGHTLOOM_WIDE_VECTORS void prepareSlots(const SliceSlots& s, std::size_t count,
     }
 }
 
-LIGHTLOOM_WIDE_VECTORS void markSkimmed(const SliceSlots& s, std::size_t first, std::size_t end, const SliceWalk& walk,
-                                        const PreparedSlots& out)
+LIGHTLOOM_EIGHT_WIDE_VECTORS void markSkimmed(const SliceSlots& s, std::size_t first, std::size_t end,
+                                              const SliceWalk& walk, const PreparedSlots& out)
 {
     for (std::size_t i = first / kLanes; i < (end + kLanes - 1) / kLanes; ++i) {
         const Floats8 most = lanesOf<Floats8>(s.bendX, i) * walk.along.x + lanesOf<Floats8>(s.bendY, i) * walk.along.y +
@@ -44,8 +44,8 @@ LIGHTLOOM_WIDE_VECTORS void markSkimmed(const SliceSlots& s, std::size_t first, 
     }
 }
 
-LIGHTLOOM_WIDE_VECTORS void toEntries(const std::uint32_t* entries, const std::uint32_t* ends, std::size_t count,
-                                      std::uint32_t* partners)
+LIGHTLOOM_EIGHT_WIDE_VECTORS void toEntries(const std::uint32_t* entries, const std::uint32_t* ends, std::size_t count,
+                                            std::uint32_t* partners)
 {
     for (std::size_t i = 0; i < count; ++i) partners[entries[i]] = entries[ends[i]];
 }

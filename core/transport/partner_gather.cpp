@@ -40,7 +40,7 @@ template<std::size_t kWidth, class Number>
 
 /// A function of its own for each width and size of numbers, for each width of the machine's vectors.
 #define LIGHTLOOM_ADD_ROWS(NAME, WIDTH, NUMBER)                                                                        \
-    LIGHTLOOM_WIDE_VECTORS void NAME(const Place& place, const NUMBER* rows) { addRows<WIDTH>(place, rows); }
+    LIGHTLOOM_EIGHT_WIDE_VECTORS void NAME(const Place& place, const NUMBER* rows) { addRows<WIDTH>(place, rows); }
 LIGHTLOOM_ADD_ROWS(add1, 1, std::uint16_t)
 LIGHTLOOM_ADD_ROWS(add2, 2, std::uint16_t)
 LIGHTLOOM_ADD_ROWS(add3, 3, std::uint16_t)

@@ -136,6 +136,20 @@ private:
         return made;
     }
 
+    /// Where lamps are looked for from; null: stopped, or they take too much to be kept.
+    [[nodiscard]] std::shared_ptr<const EntryPoints> points(const SurfaceVoxels& voxels)
+    {
+        constexpr std::size_t kMostBytes = std::size_t(256) << 20;
+        if (EntryPoints::bytesFor(voxels.entries.size(), params_.voxelSamples) > kMostBytes) return nullptr;
+        const std::string key = fmt::format("{}points {} seed {}", geometryKey(), params_.voxelSamples, params_.seed);
+        if (auto kept = products_.find<EntryPoints>(key)) return kept;
+        const StageClock clock("points", control_);
+        auto made =
+            entryPoints(*scene_.reach, voxels, params_.voxelSamples, params_.seed, control_.workers(), control_.stop());
+        if (made) products_.keep<EntryPoints>(key, made, clock.stop());
+        return made;
+    }
+
     /// Null: stopped.
     [[nodiscard]] std::shared_ptr<const RayPartners> rays(const VoxelGeometry& geometry)
     {
@@ -247,10 +261,11 @@ private:
         if (const Result<Done> fits = checkPartners(voxels.entries.size()); !fits) return fits;
         const auto partners = this->partners(geometry);
         if (!partners) return cancelled();
+        const auto points = this->points(voxels);
         const StageClock firstClock("first light", control_);
-        EntryValues first =
-            firstLight(*scene_.lights, *scene_.reach, voxels, missing, params_.voxelSamples, params_.seed,
-                       control_.workers(), control_.stop(), within(Stage::fit, kPartnersUntil, kFirstUntil));
+        EntryValues first = firstLight(*scene_.lights, *scene_.reach, voxels, missing, params_.voxelSamples,
+                                       params_.seed, control_.workers(), control_.stop(),
+                                       within(Stage::fit, kPartnersUntil, kFirstUntil), points.get());
         first = evened(geometry, std::move(first), smooths(VoxelSmooth::first));
         if (first.values.empty() && !voxels.entries.empty()) return cancelled();
         addCost(products_.counters.stages, firstClock.stop());
