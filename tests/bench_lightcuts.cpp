@@ -7,6 +7,7 @@
 //                                                       field, and cuts at 2 and .5 %, against the reference, and
 //                                                       against all lights; --rays: the light of discs is carried along
 //                                                       64 exact rays of each voxel entry
+//   bench_lightcuts --cuts [--probes N] [SCENE ...]   cuts at 2, 1 and .5 % against all lights: where their error is
 // Voxels: 128 along the longest side, 1024 directions.
 #include "core/compare/image_error.h"
 #include "tests/bench_clock.h"
@@ -14,6 +15,7 @@
 #include "tests/bench_scene.h"
 #include "tests/voxel_lights.h"
 #include <embree3/rtcore.h>
+#include <numeric>
 
 using namespace lightloom;
 
@@ -221,6 +223,58 @@ void accuracy(const std::string& name, const JudgeSettings& settings, int exactR
     std::fflush(stdout);
 }
 
+/// Cuts against all lights, in thresholds: RMS over the mean of all places and over each place's own light, its 99th
+/// percentile; how much of the squared error one place in a hundred holds, and how bright these are.
+void againstAll(const std::string& name, const JudgeSettings& settings, Workers& workers)
+{
+    const Lit lit = light(name, settings.params, 0, workers);
+    const auto places =
+        samplePoints(*lit.at.rays, *lit.at.lights, *lit.at.reach, static_cast<std::uint64_t>(settings.probes), 1);
+    std::vector<double> every(places.size());
+    workers.run(every.size(), {}, [&](std::size_t i) {
+        every[i] = static_cast<double>(luminance(lit.cuts.everyLight(places[i].position, places[i].normal, i, {})));
+    });
+    const auto count = static_cast<double>(places.size());
+    const double mean = std::accumulate(every.begin(), every.end(), 0.0) / count;
+    for (const float threshold : {0.02f, 0.01f, 0.005f}) {
+        LightcutParams params;
+        params.threshold = threshold;
+        params.mostNodes = settings.params.voxelCut;
+        struct Off {
+            double squared, lux;
+        };
+        std::vector<Off> off;
+        std::vector<double> own;
+        double nodes = 0.0, full = 0.0, ownSquares = 0.0;
+        const double ms = msEach(places, [&](const SurfacePoint& p, std::size_t i) {
+            const Lightcut cut = lit.cuts.at(p.position, p.normal, i, params);
+            const double apart = static_cast<double>(luminance(cut.illuminance)) - every[i];
+            off.push_back({apart * apart, every[i]});
+            if (every[i] > 0.0) own.push_back(std::abs(apart) / every[i] / static_cast<double>(threshold));
+            nodes += cut.nodes / count;
+            full += params.mostNodes > 0 && cut.nodes >= params.mostNodes ? 1.0 / count : 0.0;
+        });
+        for (const double share : own) ownSquares += share * share / static_cast<double>(own.size());
+        std::ranges::sort(off, std::greater{}, &Off::squared);
+        std::ranges::sort(own);
+        double squares = 0.0, worst = 0.0, worstLux = 0.0;
+        const std::size_t few = std::max<std::size_t>(1, places.size() / 100);
+        for (std::size_t i = 0; i < off.size(); ++i) {
+            squares += off[i].squared;
+            if (i < few) worst += off[i].squared, worstLux += off[i].lux / static_cast<double>(few);
+        }
+        const double wide = std::sqrt(squares / count) / mean / static_cast<double>(threshold);
+        fmt::print(
+            "{} at {}: RMS {:.2f} over the mean ({:.2f} without the worst hundredth), {:.2f} over each place's own, "
+            "p99 {:.1f}; the worst hundredth holds {:.0f} % and is {:.1f} times as bright as the mean; {:.0f} "
+            "nodes, {:.0f} % at the limit, {:.3f} ms\n",
+            name, threshold, wide, wide * std::sqrt(1.0 - worst / squares), std::sqrt(ownSquares),
+            own[static_cast<std::size_t>(0.99 * static_cast<double>(own.size() - 1))], 100.0 * worst / squares,
+            worstLux / mean, nodes, 100.0 * full, ms);
+    }
+    std::fflush(stdout);
+}
+
 } // namespace
 
 int main(int argc, char** argv)
@@ -229,10 +283,13 @@ int main(int argc, char** argv)
     if (!settings) return 2;
     Workers workers;
     const bool isAccuracy = std::erase(settings->words, "--accuracy") > 0;
+    const bool isAgainstAll = std::erase(settings->words, "--cuts") > 0;
     const int exactRays = std::erase(settings->words, "--rays") > 0 ? 64 : 0;
     if (settings->words.empty()) settings->words = {"cornell"};
     for (const std::string& name : settings->words) {
-        if (isAccuracy)
+        if (isAgainstAll)
+            againstAll(name, *settings, workers);
+        else if (isAccuracy)
             accuracy(name, *settings, exactRays, workers);
         else
             speed(name, workers);

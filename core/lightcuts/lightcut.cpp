@@ -10,6 +10,10 @@ namespace {
 constexpr float kNearFrom = 1.5f, kNearTo = 3.0f;
 /// Errors of clusters add up by the root of their number. In larger cuts each may be off by so much less.
 constexpr int kFewNodes = 400;
+/// Where one of two halves is hidden and the other is not a shadow's edge falls into the cluster, and what stands for
+/// either may be wrong for it all: their bounds count so many times, that of their own halves kSettling of it, and so
+/// on. Clusters in half shadow are what a cut's error is made of.
+constexpr float kHalfShadow = 4.0f, kSettling = 0.8f;
 
 bool isPlace(const Receiver& at)
 {
@@ -38,7 +42,7 @@ public:
             if (lights->tree && !lights->tree->nodes().empty()) add(look(*lights, 0, {}));
         }
         while (!heap_.empty() && !isFine(params)) {
-            std::ranges::pop_heap(heap_, {}, &Cluster::bound);
+            std::ranges::pop_heap(heap_, {}, &Cluster::doubted);
             const Cluster cluster = heap_.back();
             heap_.pop_back();
             part(cluster);
@@ -56,6 +60,7 @@ private:
     struct Standing {
         bool isLookedFor = false, isHidden = false; // by a shadow ray
         bool isInView = false;                      // all of the cluster
+        float doubt = 1.0f;                         // by which its bound counts
     };
     struct Cluster {
         float bound;    // lux of luminance
@@ -63,6 +68,7 @@ private:
         std::uint32_t node;
         bool isLamp;
         Standing standing;
+        [[nodiscard]] float doubted() const { return bound * standing.doubt; }
     };
     [[nodiscard]] const Lights& lightsOf(const Cluster& cluster) const { return cluster.isLamp ? lamps_ : surface_; }
 
@@ -70,7 +76,7 @@ private:
     {
         if (params.mostNodes > 0 && result_.nodes >= params.mostNodes) return true;
         const double share = std::min(1.0, std::sqrt(static_cast<double>(kFewNodes) / std::max(1, result_.nodes)));
-        return static_cast<double>(heap_.front().bound) <= share * static_cast<double>(params.threshold) * total_;
+        return static_cast<double>(heap_.front().doubted()) <= share * static_cast<double>(params.threshold) * total_;
     }
 
     void part(const Cluster& cluster)
@@ -80,10 +86,18 @@ private:
         const LightNode& node = nodes[cluster.node];
         total_ -= static_cast<double>(luminance(node.flux)) * static_cast<double>(cluster.transfer);
         --result_.nodes;
-        for (const std::uint32_t child : {node.child, node.child + 1}) {
+        const auto half = [&](std::uint32_t child) {
             Standing standing = cluster.standing;
             if (nodes[child].chosen != node.chosen) standing.isLookedFor = false;
-            add(look(lights, child, standing));
+            return look(lights, child, standing);
+        };
+        Cluster one = half(node.child), other = half(node.child + 1);
+        const Standing &a = one.standing, &b = other.standing;
+        const bool isHalfShadow = a.isLookedFor && b.isLookedFor && a.isHidden != b.isHidden;
+        const float doubt = isHalfShadow ? kHalfShadow : glm::max(1.0f, kSettling * cluster.standing.doubt);
+        for (Cluster* child : {&one, &other}) {
+            child->standing.doubt = doubt;
+            add(*child);
         }
     }
 
@@ -109,7 +123,7 @@ private:
             take(cluster);
         } else {
             heap_.push_back(cluster);
-            std::ranges::push_heap(heap_, {}, &Cluster::bound);
+            std::ranges::push_heap(heap_, {}, &Cluster::doubted);
         }
     }
 

@@ -7,8 +7,8 @@ namespace lightloom {
 
 struct LightcutParams {
     /// Share of a place's illuminance that each cluster may be off by at most; in cuts of more than 400 it is less, by
-    /// the root of their number, as their errors add up. A place's light is off by .6 to 1.6 times the threshold, RMS.
-    /// 0: every light alone.
+    /// the root of their number, as their errors add up, and less where a shadow's edge falls. A place's light is off
+    /// by .6 to 1.4 times the threshold, RMS. 0: every light alone.
     float threshold = 0.02f;
     int mostNodes = 2000; ///< clusters in a cut, and lights; 0: any number
     int nearRays = 64;
