@@ -310,7 +310,7 @@ private Q_SLOTS:
         QVERIFY(every > 0.0 && std::abs(mine / every - 1.0) <= 3.0 * double(voxel.asked.threshold));
         QCOMPARE(voxel.everyLight, cuts->everyLightAt(leaf.point, leaf.normal));
         const QString off = QLocale().toString(100.0 * std::abs(mine / every - 1.0), 'f', 1);
-        QVERIFY2(text.contains("the cut is off by " + off + " %") && text.contains("Usual are 6.0 to 16.0 %"),
+        QVERIFY2(text.contains("the cut is off by " + off + " %") && text.contains("Usual are 6.0 to 14.0 %"),
                  qPrintable(text));
         for (const char* part : {"Voxel", "lightcut of", "shadow rays", "by the field", "Entry 1", "lm/m"})
             QVERIFY2(text.contains(part), qPrintable(text));

@@ -56,7 +56,7 @@ QStringList leafText(const LeafPick& leaf)
 }
 
 /// Of clusters that keep to a threshold a place's light is off by so many (RMS; docs/methods/voxel-lightcuts.md).
-constexpr float kUsualLeast = 0.6f, kUsualMost = 1.6f;
+constexpr float kUsualLeast = 0.6f, kUsualMost = 1.4f;
 
 QStringList cutText(const PickedVoxel& voxel)
 {
