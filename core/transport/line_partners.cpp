@@ -47,6 +47,7 @@ LinePartners::LinePartners(const SurfaceVoxels& voxels, const VoxelOrders& order
             most = std::max(most, first[slice + 1] - first[slice]);
     }
     numbers_.resize(most + kAhead), kinds_.resize(most + kAhead), reaches_.resize(most + kAhead);
+    near_.resize(most);
 }
 
 void LinePartners::findBeside()
@@ -327,7 +328,9 @@ void LinePartners::walkOnes(std::uint32_t begin, std::uint32_t first, std::uint3
     Line* const lines = lines_.data();
     std::uint32_t *const ends = ends_.data(), *const before = before_.data(), *const chained = chained_.data();
     const std::uint32_t* const edges = order_->edges.data();
-    std::size_t chainedCount = chainedCount_;
+    const Plane* const planes = order_->planes.data();
+    NearEnd* const near = near_.data();
+    std::size_t chainedCount = chainedCount_, nearCount = 0;
     const std::uint16_t stamp = stamp_;
     for (std::uint32_t slot = first; slot < end; ++slot) {
         const std::uint32_t i = slot - begin;
@@ -362,8 +365,8 @@ void LinePartners::walkOnes(std::uint32_t begin, std::uint32_t first, std::uint3
         } else if ((kind & kBack) != 0) {
             const bool isWaiting = last != kNothing;
             if (isWaiting & ((slice <= from.farAfter) | (slice - from.lastSlice <= reach))) {
-                chainedCount_ = chainedCount;
-                closeNear(line, slot, slice, isPassed);
+                __builtin_prefetch(&planes[slot]), __builtin_prefetch(&planes[last]);
+                near[nearCount++] = {slot, isPassed};
                 continue;
             }
             const bool isRecent = slice - from.closedAt <= kSameWall;
@@ -386,6 +389,9 @@ void LinePartners::walkOnes(std::uint32_t begin, std::uint32_t first, std::uint3
         }
     }
     chainedCount_ = chainedCount;
+    // each is on a line of its own: they can wait until their planes have come from memory
+    for (std::size_t i = 0; i < nearCount; ++i)
+        closeNear(lines[numbers_[near[i].slot - begin]], near[i].slot, slice, near[i].isPassed);
 }
 
 void LinePartners::walkSlice(const LineNumbers& numbers, std::uint16_t slice)

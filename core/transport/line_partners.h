@@ -56,6 +56,11 @@ private:
     struct Faces {
         Members forth = 0, back = 0;
     };
+    /// One that faces what waits near by, to be ended at after the others of its slice.
+    struct NearEnd {
+        std::uint32_t slot;
+        bool isPassed;
+    };
     void findBeside();
     [[nodiscard]] const Beside& besideAt(std::uint32_t slot) const { return beside_[order_->entry[slot]]; }
     [[nodiscard]] std::uint32_t firstOfVoxel(std::uint32_t slot) const;
@@ -96,6 +101,7 @@ private:
     std::vector<std::uint32_t> numbers_; // of lines, by slot of a slice, as the next two
     std::vector<std::int32_t> kinds_;
     std::vector<std::int32_t> reaches_;  // slices until a line has left the plane behind
+    std::vector<NearEnd> near_;          // of a slice
     std::vector<float> cosines_;         // by slot, as all that follows
     std::vector<std::uint32_t> before_;  // of one that waits: the one before it in the chain
     std::vector<std::uint32_t> chained_; // those that wait after others, in their order
