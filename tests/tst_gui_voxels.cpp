@@ -88,6 +88,7 @@ private Q_SLOTS:
         QVERIFY(dynamic_cast<const VoxelCuts*>(desk.field().get()));
         QVERIFY(desk.stateText().contains("Lightcuts"));
         QVERIFY(awaitText("16 of 16"));
+        QVERIFY(desk.isDone());
         QVERIFY(settle(*viewport_));
         const QImage cuts = viewport_->grabFramebuffer();
         useLookup(VoxelLookup::field);
@@ -125,7 +126,7 @@ private Q_SLOTS:
             const MadePicture &before = pictures[i - 1], &now = pictures[i];
             QVERIFY(now.block <= before.block && before.block <= 2 * now.block);
             if (now.block < before.block) QVERIFY(before.view->isWhole);
-            if (now.block == 1) QVERIFY(now.view->samples >= 4);
+            QVERIFY(now.view->samples >= 4);
             smooth += now.block == 2 && now.view->samples == 8 ? 1 : 0;
         }
         QCOMPARE(pictures.front().block, 8);
@@ -177,6 +178,7 @@ private Q_SLOTS:
         QVERIFY(QTest::qWaitFor([&] { return viewport_->hasMadePicture(); }, kPatience));
         drag(*viewport_, {200, 200}, {260, 210});
         QVERIFY(!viewport_->hasMadePicture()); // the field meanwhile
+        QVERIFY(!window_->pictureDesk()->isDone());
         QVERIFY(QTest::qWaitFor([&] { return viewport_->hasMadePicture(); }, kPatience));
     }
 

@@ -37,6 +37,13 @@ bool PictureDesk::isWanted() const
     return viewport_->mode() == ViewMode::photonMap || (isOfVoxels() && show_.lookup != VoxelLookup::field);
 }
 
+bool PictureDesk::isDone() const
+{
+    if (!isWanted() || !picture_.problem.isEmpty()) return true;
+    const bool isFull = picture_.view && picture_.block == 1 && picture_.view->direct.width == viewport_->pixels().x;
+    return isFull && picture_.view->isWhole;
+}
+
 std::shared_ptr<const VoxelField> PictureDesk::voxels() const
 {
     return std::dynamic_pointer_cast<const VoxelField>(view_.snapshot.field);

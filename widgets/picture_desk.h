@@ -27,6 +27,8 @@ public:
     /// What the picture shows: a photon map with its cache, or cuts; null: nothing yet.
     [[nodiscard]] const std::shared_ptr<const IndirectField>& field() const { return field_; }
     [[nodiscard]] QString stateText() const;
+    /// Nothing more comes: no picture is wanted, there will be none, or it is whole.
+    [[nodiscard]] bool isDone() const;
     void showCuts(bool on); ///< in place of light: how many clusters each pixel's lightcut took
     /// Lightcuts are what is looked at.
     [[nodiscard]] bool hasCuts() const { return isOfVoxels() && show_.lookup == VoxelLookup::lightcuts; }

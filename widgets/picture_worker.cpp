@@ -11,8 +11,7 @@ constexpr int kRoughly = 4;           ///< a rough picture of a photon map is sm
 constexpr int kBlock = 2;             ///< side of blocks of pixels in rough pictures by lightcuts
 constexpr int kSmaller[] = {1, 2, 4}; ///< these are smaller by, each way, the last one first: direct light is dear too
 constexpr int kRoughShadows = 16;     ///< shadow rays per shining surface and pixel in these
-/// Camera rays per pixel in these, and before the last picture takes their place: edges without steps. They are cheap,
-/// cuts are not.
+/// Camera rays per pixel in these, and before any picture is shown: edges without steps. They are cheap, cuts are not.
 constexpr int kRoughSamples = 8, kSmoothSamples = 4;
 constexpr double kFirstRay = 0.9; ///< of the work until then, which is a cut for every pixel
 constexpr double kFirstSlice = 0.2, kLastSlice = 1.5, kGrows = 0.2; ///< seconds; part of all before
@@ -197,7 +196,7 @@ void PictureWorker::draw(Desk& desk, Workers& workers, const std::stop_token& st
         if (isLast && q.voxels && seldom.isDue()) Q_EMIT workedOn(desk.serial, partBefore(part * q.job.samples));
     });
     if (view.samples == 0 || (stop.stop_requested() && !view.isWhole)) return; // part of a camera ray per pixel
-    if (isLast && q.voxels && view.samples < std::min(kSmoothSamples, q.job.samples)) return; // edges had more rays
+    if (q.voxels && view.samples < std::min(kSmoothSamples, making.job().samples)) return; // edges would have steps
     // in pixels of the window
     const int block = making.job().block * (q.voxels ? std::max(1, q.job.width / making.job().width) : 1);
     // a photon map's whole picture is rougher than its small one for an instant only

@@ -2,6 +2,7 @@
 #include "widgets/screenshot.h"
 #include "widgets/main_window.h"
 #include "widgets/message_bar.h"
+#include "widgets/picture_desk.h"
 #include "widgets/viewport.h"
 #include <QApplication>
 #include <QPixmap>
@@ -36,7 +37,8 @@ int takeScreenshot(MainWindow& window, const QString& scene, const QString& file
     QObject::connect(&look, &QTimer::timeout, &look, [&] {
         const Viewport* view = window.viewport();
         const bool isDrawn = scene.isEmpty() || view == nullptr || (final ? view->isRefined() : view->isSettled());
-        const bool isDone = !final || !window.isBaking();
+        const bool isMade = !final || window.pictureDesk() == nullptr || window.pictureDesk()->isDone();
+        const bool isDone = isMade && (!final || !window.isBaking());
         if (isLit && isDrawn && isDone) QApplication::exit(0);
     });
     QTimer::singleShot(kPatienceMs, &look, [] { QApplication::exit(2); });
