@@ -278,22 +278,21 @@ struct GridDeposit::Work {
         return count;
     }
 
-    [[nodiscard]] GridSegment toGrid(const PhotonSegment& s) const
+    /// Member by member: copies of a whole wait for what was just written.
+    void toGrid(const PhotonSegment& s, GridSegment& made) const
     {
         // far enough to leave the grid from anywhere in it
-        const glm::vec3 size = glm::vec3(lattice().cells) * lattice().cellSize;
-        const float length = std::min(s.length, 2.0f * glm::length(size));
-        const glm::vec3 from = lattice().toGrid(s.from), to = lattice().toGrid(s.from + length * s.travel);
-        const bool isInside = glm::all(glm::greaterThanEqual(glm::min(from, to), glm::vec3(0.0f))) &&
-                              glm::all(glm::lessThanEqual(glm::max(from, to), glm::vec3(lattice().cells)));
-        return {from, to, -s.travel, s.flux, length, isInside};
+        made.length = std::min(s.length, 2.0f * glm::length(glm::vec3(lattice().cells) * lattice().cellSize));
+        made.from = lattice().toGrid(s.from), made.to = lattice().toGrid(s.from + made.length * s.travel);
+        made.toLight = -s.travel, made.flux = s.flux;
+        made.isInside = glm::all(glm::greaterThanEqual(glm::min(made.from, made.to), glm::vec3(0.0f))) &&
+                        glm::all(glm::lessThanEqual(glm::max(made.from, made.to), glm::vec3(lattice().cells)));
     }
 
     void read(const SegmentBlock& block, SegmentList& list) const
     {
         resizeAnew(list.segments, block.segments.size());
-        std::ranges::transform(block.segments, list.segments.begin(),
-                               [&](const PhotonSegment& s) { return toGrid(s); });
+        for (std::size_t i = 0; i < list.segments.size(); ++i) toGrid(block.segments[i], list.segments[i]);
         for (int axis = 0; axis < (isTracks() ? 0 : 3); ++axis) {
             const PlaneRange all{0, lattice().cells[axis]};
             auto& crossed = list.crossed[static_cast<std::size_t>(axis)];

@@ -17,7 +17,6 @@ constexpr int kPieceLevels = 2;         ///< a patch is looked at in pieces a qu
 constexpr float kOffBorders = 0.05f;    ///< of a patch, between walls and borders of patches
 constexpr int kLooks = 2;               ///< rays from a piece
 constexpr std::size_t kBlock = 1024;    ///< pieces
-constexpr std::size_t kRanges = 4;      ///< of patches, that threads share out
 constexpr std::uint64_t kNoCell = ~std::uint64_t{0};
 constexpr float kFar = std::numeric_limits<float>::infinity();
 
@@ -195,8 +194,9 @@ bool SurfaceLight::add(std::span<const SegmentBlock* const> blocks, Workers& wor
                                [&](const PhotonSegment& way) { return surface_->patchOf(way); });
     });
     if (!isFound) return false;
-    const std::size_t step = flux_.size() / kRanges + 1;
-    return workers.run(kRanges, stop, [&](std::size_t range) {
+    const auto ranges = static_cast<std::size_t>(workers.threadCount()); // of patches: each looks at all segments
+    const std::size_t step = flux_.size() / ranges + 1;
+    return workers.run(ranges, stop, [&](std::size_t range) {
         const std::size_t first = range * step, count = std::min(step, flux_.size() - std::min(first, flux_.size()));
         for (std::size_t b = 0; b < blocks.size(); ++b) {
             const auto& segments = blocks[b]->segments;
