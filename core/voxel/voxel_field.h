@@ -17,6 +17,7 @@ struct VoxelLayer {
     std::vector<glm::vec3> direct; ///< by entry: straight from the lamps
     std::shared_ptr<const VdlLayer>
         indirect; ///< `scalar` alone is filled: what arrives by way of at least one other surface, along lines
+                  ///< that exact rays put right where there are any (correctedByRays)
     std::vector<glm::vec3> byRays; ///< the same along a few exact rays of each entry: noisy alone, right in the mean of
                                    ///< many (RayPartners); empty: there is none
     std::vector<glm::vec3> specular; ///< the part of both that comes from lamps by mirrors and glass alone; empty:

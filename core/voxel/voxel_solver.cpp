@@ -7,6 +7,7 @@
 #include "core/trace/cell_clip.h"
 #include "core/transport/entry_means.h"
 #include "core/transport/specular_light.h"
+#include "core/voxel/ray_correction.h"
 #include <algorithm>
 #include <fmt/format.h>
 #include <limits>
@@ -177,6 +178,12 @@ private:
         return lux;
     }
 
+    /// Null: stopped.
+    [[nodiscard]] std::shared_ptr<const EntryMeans> neighbours(const VoxelGeometry& geometry)
+    {
+        return means("neighbours",
+                     [&] { return neighbourMeans(*geometry.voxels, control_.workers(), control_.stop()); });
+    }
     /// Values with what `voxel.slivers` joins, and over neighbours where `isSmooth`. Empty: stopped.
     [[nodiscard]] EntryValues evened(const VoxelGeometry& geometry, EntryValues values, bool isSmooth,
                                      float within = kSameLight)
@@ -189,9 +196,8 @@ private:
             values = slivers ? slivers->of(values, kAnyLight, control_.workers(), control_.stop()) : EntryValues{};
         }
         if (isSmooth && !values.values.empty()) {
-            const auto neighbours =
-                means("neighbours", [&] { return neighbourMeans(voxels, control_.workers(), control_.stop()); });
-            values = neighbours ? neighbours->of(values, within, control_.workers(), control_.stop()) : EntryValues{};
+            const auto around = neighbours(geometry);
+            values = around ? around->of(values, within, control_.workers(), control_.stop()) : EntryValues{};
         }
         return values;
     }
@@ -255,7 +261,7 @@ private:
         const SurfaceVoxels& voxels = *geometry.voxels;
         const std::vector<glm::vec3>& albedo = geometry.surface->albedo;
         const double channels = 3.0 * static_cast<double>(missing.size());
-        const double bytes = static_cast<double>(voxels.entries.size()) * channels * 7.0 * sizeof(float);
+        const double bytes = static_cast<double>(voxels.entries.size()) * channels * 9.0 * sizeof(float);
         if (const Result<Done> fits = checkMemory(bytes, params_); !fits) return fits;
 
         if (const Result<Done> fits = checkPartners(voxels.entries.size()); !fits) return fits;
@@ -295,6 +301,11 @@ private:
             if (byRays.values.empty()) return cancelled();
         }
         all = evened(geometry, std::move(all), smooths(VoxelSmooth::bounced));
+        if (!byRays.values.empty()) {
+            const auto around = neighbours(geometry);
+            if (!around) return cancelled();
+            all = correctedByRays(std::move(all), byRays, *around, control_.workers(), control_.stop());
+        }
         if (!specular.values.empty()) {
             all = sum(std::move(all), specular);
             if (!byRays.values.empty()) byRays = sum(std::move(byRays), specular);

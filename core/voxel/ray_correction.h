@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "core/transport/entry_means.h"
+
+namespace lightloom {
+
+/// What arrives along lines (`lines`, lux), put right by what arrives along a few exact rays (`rays`): lines are off
+/// alike over whole neighbourhoods where a scene is finer than its voxels, rays are right in the mean and noisy. With D
+/// the mean of rays - lines around an entry and V its variance there, of luminance, an entry gets D (1 - V / D^2) more,
+/// nothing where V > D^2: as far as neighbours agree. None becomes negative; each light group by itself. The same bits
+/// on any number of threads. Empty: stopped.
+[[nodiscard]] EntryValues correctedByRays(EntryValues lines, const EntryValues& rays, const EntryMeans& neighbours,
+                                          Workers& workers, const std::stop_token& stop);
+
+} // namespace lightloom
