@@ -85,7 +85,8 @@ void main()
         return;
     }
     bool isMirrored = mirrors == 1 && normal.w <= kMirrorsBelow && texelFetch(gEmission, pixel, 0).w > 0.5;
-    // a colour octree has nothing that a gloss could mirror: other metals are lit like matt paint
+    // a colour octree has nothing that a gloss could mirror, and voxels' lights stand for half of their light: other
+    // metals are lit like matt paint
     float metal = hasDirections == 1 || isMirrored ? base.w : 0.0;
     vec3 glossy = vec3(0.0);
     if (metal > 0.0 && !isMirrored) {

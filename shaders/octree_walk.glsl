@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lookup in a light octree's arrays (core/bake/gpu_layout.h): one text for pixels (mode_vdl.frag) and for the processor
 // (core/bake/packed_octree.cpp), so that both give the same light. Whoever includes it brings
-//   int depth, deepest, hasDirections; vec3 lowest; float cellSize, colourScale
+//   int depth, deepest; vec3 lowest; float cellSize, colourScale
+//   int hasDirections: 0 no light has one, 1 all have, 2 all but the first of each entry
 //   int classEnd(int lights): entries with at most as many lights, 0 to kMostVdls
 //   uvec4 brickAt(ivec3 texel), vdlAt(int number), normalAt(int entry)
 //   vec3 entryValue(int entry, vec3 n): what is asked of an entry, for octreeBlend
@@ -71,7 +72,10 @@ SHARED vec3 entryIlluminance(int entry, vec3 n)
         uvec4 texel = vdlAt(lights.x + j);
         if ((texel.x | texel.y | texel.z) == 0u) break; // black ones come last
         vec3 colour = vec3(halfValue(texel.x), halfValue(texel.y), halfValue(texel.z));
-        if (hasDirections == 0) return colour;
+        if (hasDirections == 0 || (hasDirections == 2 && j == 0)) {
+            sum += colour;
+            continue;
+        }
         sum += vdlIlluminance(colour, directionValue(texel.w >> 8u, texel.w & 255u), n);
     }
     return sum;

@@ -50,7 +50,9 @@ BakeInfo infoOf(const Scene& scene, const BakeParams& params)
 
 bool isSame(const VoxelLayer& a, const VoxelLayer& b)
 {
-    return a.direct == b.direct && a.indirect->scalar == b.indirect->scalar && a.byRays == b.byRays &&
+    const auto isSameLight = [](const Vdl& x, const Vdl& y) { return x.colour == y.colour && x.toLight == y.toLight; };
+    return std::ranges::equal(a.indirect->vdls, b.indirect->vdls, isSameLight) && !a.indirect->vdls.empty() &&
+           a.direct == b.direct && a.indirect->scalar == b.indirect->scalar && a.byRays == b.byRays &&
            a.specular == b.specular;
 }
 

@@ -49,7 +49,9 @@ MixedLights mixAll(const LightOctree& octree, const GpuOctree& gpu)
                 all.vdls.push_back({octree.mixedColour({e, level}), geometry.entries[e].normal});
                 continue;
             }
-            const std::vector<Vdl> some = octree.mixed({e, level}, gpu.vdlCount);
+            if (gpu.isFirstFlat)
+                all.vdls.push_back({octree.flatShare() * octree.mixedColour({e, level}), geometry.entries[e].normal});
+            const std::vector<Vdl> some = octree.mixed({e, level}, gpu.vdlCount - (gpu.isFirstFlat ? 1 : 0));
             all.vdls.insert(all.vdls.end(), some.begin(), some.end());
         }
     });
@@ -228,11 +230,12 @@ void packVdls(const MixedLights& mixed, const EntryOrder& order, GpuOctree& gpu)
         const std::size_t e = order.entries[number];
         for (std::size_t i = mixed.first[e]; i < mixed.first[e + 1]; ++i) {
             const Vdl& vdl = mixed.vdls[i];
-            const std::uint16_t direction = gpu.hasDirections ? packDirection(vdl.toLight) : std::uint16_t(0);
+            const bool isAimed = gpu.hasDirections && !(gpu.isFirstFlat && i == mixed.first[e]);
+            const std::uint16_t direction = isAimed ? packDirection(vdl.toLight) : std::uint16_t(0);
             // the rounded direction meets the surface at another angle: keep what it gives on the entry's own normal
             const glm::vec3 n = order.surfaces[number].normal;
             const float was = glm::dot(vdl.toLight, n), is = glm::dot(unpackDirection(direction), n);
-            const float keep = gpu.hasDirections && was > kLeastCosine && is > kLeastCosine ? was / is : 1.0f;
+            const float keep = isAimed && was > kLeastCosine && is > kLeastCosine ? was / is : 1.0f;
             const glm::vec3 colour = vdl.colour * (keep / gpu.colourScale);
             const std::array texel{imath_float_to_half(colour.x), imath_float_to_half(colour.y),
                                    imath_float_to_half(colour.z), direction};
@@ -291,6 +294,8 @@ Result<GpuOctree> makeGpuOctree(const LightOctree& octree)
     for (const auto& layer : octree.layers()) {
         if (layer && gpu.hasDirections) gpu.vdlCount = std::max(gpu.vdlCount, layer->count);
     }
+    gpu.isFirstFlat = octree.flatShare() > 0.0f;
+    if (gpu.isFirstFlat) ++gpu.vdlCount;
     gpu.leafCount = geometry.cells.size();
     gpu.entryCount = geometry.entries.size();
     for (const UnionLevel& level : octree.deeper()) {

@@ -22,7 +22,9 @@ namespace lightloom {
 /// direction in the fourth as theta 8 bits high, phi 8 bits low). Entry e has one texel in `normals` (RGBA8UI: theta,
 /// phi; the two bytes of its side, see entry_side.h), at (e % normalWidth, e / normalWidth).
 ///
-/// A colour octree (OctreeShow::colour) has one texel per entry, its accumulated illuminance, and no directions.
+/// A colour octree (OctreeShow::colour) has one texel per entry, its accumulated illuminance, and no directions. Where
+/// part of an entry's light counts whatever the normal (LightOctree::flatShare), its first texel is that, without
+/// direction.
 struct GpuOctree {
     int depth = 0;
     int deepest = 0;                ///< of any leaf; `depth` where none is split
@@ -32,6 +34,7 @@ struct GpuOctree {
     int vdlCount = 1;               ///< most lights of an entry
     std::array<int, 9> classEnds{}; ///< entries of leaves with at most 0, 1, ... 8 lights an entry
     bool hasDirections = true;      ///< false: a colour octree
+    bool isFirstFlat = false;       ///< an entry's first texel has no direction, others have
     float colourScale = 1.0f;       ///< power of two that keeps colours within half floats
     int vdlWidth = 1, vdlHeight = 1, normalWidth = 1, normalHeight = 1;
     std::vector<std::uint8_t> bricks;  ///< 4 * 8 side.x side.y side.z

@@ -14,7 +14,9 @@ namespace {
 /// The arrays as the shader sees them: reads by texel, and the text that walks over them.
 struct OctreeArrays {
     explicit OctreeArrays(const GpuOctree& octree)
-        : arrays(octree), depth(octree.depth), deepest(octree.deepest), hasDirections(octree.hasDirections ? 1 : 0),
+        : arrays(octree), depth(octree.depth), deepest(octree.deepest), hasDirections(!octree.hasDirections ? 0
+                                                                                      : octree.isFirstFlat  ? 2
+                                                                                                            : 1),
           lowest(octree.lowest), cellSize(std::ldexp(octree.rootSize, -octree.depth)), colourScale(octree.colourScale)
     {
     }

@@ -57,7 +57,7 @@ std::optional<LeafPick> pickLeaf(const LightOctree& octree, glm::vec3 p, glm::ve
     int most = 1;
     for (const auto& layer : octree.layers()) most = layer ? std::max(most, layer->count) : most;
     for (std::uint32_t e = geometry.firstEntry[leaf]; e < geometry.firstEntry[leaf + 1]; ++e) {
-        if (octree.show() == OctreeShow::colour) { // of light without directions (voxels) there are no others
+        if (octree.show() == OctreeShow::colour || octree.flatShare() > 0.0f) { // voxels
             pick.entries.push_back({geometry.entries[e], {}, octree.mixedColour({e, level})});
             continue;
         }

@@ -75,9 +75,15 @@ bool LightOctree::lookup(glm::vec3 p, glm::vec3 n, glm::vec3& lux) const
 glm::vec3 LightOctree::valueOf(const VdlLayer& layer, std::size_t entry, glm::vec3 n) const
 {
     if (show_ == OctreeShow::colour) return layer.scalar[entry];
-    glm::vec3 lux(0.0f);
+    glm::vec3 lux = layer.flat > 0.0f ? layer.flat * layer.scalar[entry] : glm::vec3(0.0f);
     for (const Vdl& vdl : layer.of(entry)) lux += vdl.colour * glm::max(0.0f, glm::dot(n, vdl.toLight));
     return lux;
+}
+
+float LightOctree::flatShare() const
+{
+    const auto layer = std::ranges::find_if(layers_, [](const auto& l) { return l != nullptr; });
+    return show_ == OctreeShow::lights && layer != layers_.end() ? (*layer)->flat : 0.0f;
 }
 
 const OctreeEntry& LightOctree::surface(At at) const

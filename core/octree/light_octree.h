@@ -61,6 +61,7 @@ struct VdlLayer {
     std::vector<Vdl> vdls;
     std::vector<glm::vec3>
         scalar;               ///< per entry: the density estimate, lux on the entry's own surface, without directions
+    float flat = 0.0f;        ///< share of `scalar` that an entry gives whatever the normal, besides its VDLs
     std::vector<float> noise; ///< per entry: standard error of the luminance of `scalar`, from the gather's own photons
     [[nodiscard]] std::span<const Vdl> of(std::size_t entry) const
     {
@@ -126,6 +127,9 @@ public:
     /// Accumulated illuminance (lux) of an entry under the mix, without directions. Lamps whose light does not call for
     /// a leaf as deep give what they have there, interpolated.
     [[nodiscard]] glm::vec3 mixedColour(At at) const;
+    /// Share of each entry's accumulated illuminance that counts beside its VDLs, the same in all layers; 0 but for
+    /// voxels.
+    [[nodiscard]] float flatShare() const;
     /// VDLs of an entry under the mix, all layers' united and merged to at most `most`, vector sums kept: `most`,
     /// unused ones black, or as many as the layers' tolerance asks for.
     [[nodiscard]] std::vector<Vdl> mixed(At at, int most) const;

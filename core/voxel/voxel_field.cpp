@@ -3,14 +3,30 @@
 
 namespace lightloom {
 
+std::shared_ptr<const VdlLayer> leaningLayer(int group, std::vector<glm::vec3> scalar,
+                                             const std::vector<glm::vec3>& towards, const OctreeGeometry& leaves)
+{
+    auto layer = std::make_shared<VdlLayer>();
+    layer->group = group;
+    layer->flat = towards.empty() ? 0.0f : 0.5f;
+    for (std::size_t e = 0; e < towards.size(); ++e)
+        layer->vdls.push_back({0.5f / glm::dot(leaves.entries[e].normal, towards[e]) * scalar[e], towards[e]});
+    layer->scalar = std::move(scalar);
+    return layer;
+}
+
 VoxelField::VoxelField(std::shared_ptr<const VoxelSurface> surface,
                        std::vector<std::shared_ptr<const VoxelLayer>> layers, Mix mix)
     : surface_(std::move(surface)), layers_(std::move(layers))
 {
     std::vector<std::shared_ptr<const VdlLayer>> indirect;
-    for (const auto& layer : layers_) indirect.push_back(layer ? layer->indirect : nullptr);
+    OctreeShow show = OctreeShow::lights;
+    for (const auto& layer : layers_) {
+        indirect.push_back(layer ? layer->indirect : nullptr);
+        if (layer && layer->indirect->vdls.empty()) show = OctreeShow::colour;
+    }
     octree_ = std::make_shared<const LightOctree>(surface_->leaves, std::move(indirect), VdlForm::corrected,
-                                                  std::move(mix), OctreeShow::colour);
+                                                  std::move(mix), show);
 }
 
 std::shared_ptr<const IndirectField> VoxelField::withMix(Mix mix) const

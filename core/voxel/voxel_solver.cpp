@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/voxel/voxel_solver.h"
 #include "core/base/memory_use.h"
+#include "core/base/units.h"
 #include "core/lightcuts/ray_partners.h"
 #include "core/params/param_text.h"
 #include "core/photonmap/photon_products.h"
 #include "core/trace/cell_clip.h"
 #include "core/transport/entry_means.h"
+#include "core/transport/light_tilts.h"
 #include "core/transport/specular_light.h"
 #include "core/voxel/ray_correction.h"
 #include <algorithm>
@@ -33,6 +35,8 @@ EntryValues sum(EntryValues a, const EntryValues& b)
     for (std::size_t i = 0; i < a.values.size(); ++i) a.values[i] += b.values[i];
     return a;
 }
+
+glm::vec3 groupAt(const EntryValues& of, std::size_t i) { return {of.values[i], of.values[i + 1], of.values[i + 2]}; }
 
 using Layers = std::vector<std::shared_ptr<const VoxelLayer>>;
 
@@ -178,6 +182,29 @@ private:
         return lux;
     }
 
+    /// Where light comes from (leaningLayer): what came along lines (`all`) leans as they say, `specular` (may be
+    /// empty) not at all. Empty: stopped.
+    [[nodiscard]] EntryValues towards(const VoxelGeometry& geometry, const EntryValues& radiosity,
+                                      const EntryValues& all, const EntryValues& specular, const PartnerTable& partners)
+    {
+        const SurfaceVoxels& voxels = *geometry.voxels;
+        const int directions = std::min(params_.voxelDirections, kTiltDirections);
+        EntryValues towards = lightTilts(*scene_.rays, voxels, geometry.orders, radiosity, directions,
+                                         control_.workers(), control_.stop(), &partners);
+        for (std::size_t i = 0; i < towards.values.size(); i += 3) {
+            float* v = &towards.values[i];
+            const glm::vec3 n = voxels.entries[i / static_cast<std::size_t>(towards.channels)].normal;
+            glm::vec3 tilt(v[0], v[1], v[2]);
+            if (!specular.values.empty()) {
+                const float byLines = luminance(groupAt(all, i)), other = luminance(groupAt(specular, i));
+                tilt *= byLines > 0.0f ? byLines / (byLines + other) : 0.0f;
+            }
+            const glm::vec3 unit = glm::normalize(0.5f * n + tilt);
+            v[0] = unit.x, v[1] = unit.y, v[2] = unit.z;
+        }
+        return towards;
+    }
+
     /// Null: stopped.
     [[nodiscard]] std::shared_ptr<const EntryMeans> neighbours(const VoxelGeometry& geometry)
     {
@@ -261,7 +288,7 @@ private:
         const SurfaceVoxels& voxels = *geometry.voxels;
         const std::vector<glm::vec3>& albedo = geometry.surface->albedo;
         const double channels = 3.0 * static_cast<double>(missing.size());
-        const double bytes = static_cast<double>(voxels.entries.size()) * channels * 9.0 * sizeof(float);
+        const double bytes = static_cast<double>(voxels.entries.size()) * channels * 12.0 * sizeof(float);
         if (const Result<Done> fits = checkMemory(bytes, params_); !fits) return fits;
 
         if (const Result<Done> fits = checkPartners(voxels.entries.size()); !fits) return fits;
@@ -306,14 +333,16 @@ private:
             if (!around) return cancelled();
             all = correctedByRays(std::move(all), byRays, *around, control_.workers(), control_.stop());
         }
+        if (all.values.empty() && !voxels.entries.empty()) return cancelled();
+        EntryValues towards = this->towards(geometry, sum(leaving, reflected(all, albedo)), all, specular, *partners);
+        if (towards.values.empty() && !voxels.entries.empty()) return cancelled();
         if (!specular.values.empty()) {
             all = sum(std::move(all), specular);
             if (!byRays.values.empty()) byRays = sum(std::move(byRays), specular);
         }
-        if (all.values.empty() && !voxels.entries.empty()) return cancelled();
         const StageCost cost = clock.stop();
         for (std::size_t i = 0; i < missing.size(); ++i) {
-            const auto layer = layerOf(first, all, byRays, specular, i, missing[i]);
+            const auto layer = layerOf(*geometry.surface->leaves, first, all, towards, byRays, specular, i, missing[i]);
             layers[static_cast<std::size_t>(missing[i])] = layer;
             products_.keep<VoxelLayer>(layerKey(missing[i]), layer);
         }
@@ -322,10 +351,9 @@ private:
     }
 
     /// Values of light group number `i` of those that were carried together.
-    [[nodiscard]] static std::shared_ptr<const VoxelLayer> layerOf(const EntryValues& first, const EntryValues& all,
-                                                                   const EntryValues& byRays,
-                                                                   const EntryValues& specular, std::size_t i,
-                                                                   int group)
+    [[nodiscard]] static std::shared_ptr<const VoxelLayer>
+    layerOf(const OctreeGeometry& leaves, const EntryValues& first, const EntryValues& all, const EntryValues& towards,
+            const EntryValues& byRays, const EntryValues& specular, std::size_t i, int group)
     {
         const auto taken = [i](const EntryValues& from) {
             std::vector<glm::vec3> values(from.entries());
@@ -335,11 +363,8 @@ private:
             }
             return values;
         };
-        auto indirect = std::make_shared<VdlLayer>();
-        indirect->group = group;
-        indirect->scalar = taken(all);
-        return std::make_shared<const VoxelLayer>(
-            VoxelLayer{taken(first), std::move(indirect), taken(byRays), taken(specular)});
+        return std::make_shared<const VoxelLayer>(VoxelLayer{
+            taken(first), leaningLayer(group, taken(all), taken(towards), leaves), taken(byRays), taken(specular)});
     }
 
     const BakeJob& job_;

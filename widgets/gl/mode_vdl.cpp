@@ -33,7 +33,7 @@ void ModeVdl::draw(const ModeFrame& frame)
     program_.set("depth", octree_->depth);
     program_.set("deepest", octree_->deepest);
     program_.set("classEnds", std::span<const int>(octree_->classEnds));
-    program_.set("hasDirections", octree_->hasDirections ? 1 : 0);
+    program_.set("hasDirections", !octree_->hasDirections ? 0 : octree_->isFirstFlat ? 2 : 1);
     program_.set("vdlWidth", octree_->vdlWidth);
     program_.set("normalWidth", octree_->normalWidth);
     program_.set("lowest", octree_->lowest);
