@@ -108,7 +108,10 @@ private Q_SLOTS:
             const VoxelField& field = voxelsOf(hasPhotons ? with : without);
             for (std::size_t e = 0; e < field.surface().leaves->entries.size(); ++e) {
                 const OctreeEntry& entry = field.surface().leaves->entries[e];
-                const auto lumen = static_cast<double>(entry.area * luminance(field.illuminance(e)));
+                // what rays brought is of the whole entry, the field's light of its open part: floor under the mirror
+                // has none
+                const glm::vec3 lux = field.direct(e) + field.mixed(&VoxelLayer::byRays, e);
+                const auto lumen = static_cast<double>(entry.area * luminance(lux));
                 sums[hasPhotons] += lumen;
                 if (entry.normal.y < -0.9f && glm::length(entry.centroid - glm::vec3(0.2f, 2.0f, 0.0f)) < 0.3f)
                     ceilings[hasPhotons] += lumen;

@@ -10,6 +10,14 @@ namespace {
 constexpr std::size_t kBlock = 256; // entries
 constexpr int kMostSteps = 1000;    // albedos are at most .99: far more than it ever takes
 
+/// By side (ReachedFacet::side): whether light reaches any of it.
+std::vector<std::uint8_t> reachedSides(const RayScene& rays, const LightReach& reach)
+{
+    std::vector<std::uint8_t> reached(2 * rays.triangleCount(), 0);
+    for (const ReachedFacet& facet : reach.facets()) reached[facet.side] = 1;
+    return reached;
+}
+
 std::size_t blocksOf(std::size_t entries) { return (entries + kBlock - 1) / kBlock; }
 
 } // namespace
@@ -23,10 +31,13 @@ std::shared_ptr<const RayPartners> RayPartners::trace(const RayScene& rays, cons
     partners->count_ = each;
     for (const Orientation& o : voxels.entries) partners->areas_.push_back(o.area);
     partners->met_.assign(entries * each, SurfaceVoxels::kNoEntry);
+    partners->open_.assign(entries, 1.0f);
+    const std::vector<std::uint8_t> reached = reachedSides(rays, reach);
     const bool all = workers.run(blocksOf(entries), stop, [&](std::size_t block) {
         for (std::size_t e = block * kBlock; e < std::min(entries, (block + 1) * kBlock); ++e) {
             Rng rng(seed, hashName("ray partners"), e);
             const ShiftedPoints ways(count, rng), places(count, rng);
+            int hidden = 0;
             for (int i = 0; i < count; ++i) {
                 std::uint32_t facet = 0;
                 const glm::vec3 p = voxels.pointOn(e, {rng.uniform(), places[i].x, places[i].y}, reach, facet);
@@ -34,8 +45,10 @@ std::shared_ptr<const RayPartners> RayPartners::trace(const RayScene& rays, cons
                 const glm::vec3 travel = Frame(n).toWorld(sampleCosineHemisphere(ways[i].x, ways[i].y));
                 Hit hit;
                 if (!rays.intersect(rays.leave(p, n), travel, std::numeric_limits<float>::infinity(), hit)) continue;
+                if (!reached[2 * hit.triangle + (hit.isFront ? 0 : 1)]) ++hidden;
                 partners->met_[e * each + static_cast<std::size_t>(i)] = voxels.entryAt(hit.position, hit.facing());
             }
+            partners->open_[e] = static_cast<float>(count - hidden) / static_cast<float>(count);
         }
     });
     return all ? partners : nullptr;
@@ -80,6 +93,23 @@ EntryValues RayPartners::bounced(const EntryValues& radiosity, std::span<const g
         }
     }
     return lux;
+}
+
+EntryValues RayPartners::ofOpen(EntryValues bounced) const
+{
+    const auto channels = static_cast<std::size_t>(bounced.channels);
+    for (std::size_t i = 0; i < bounced.values.size(); ++i) {
+        const float share = open_[i / channels];
+        bounced.values[i] = share > 0.0f ? bounced.values[i] / share : 0.0f;
+    }
+    return bounced;
+}
+
+EntryValues RayPartners::ofAll(EntryValues ofOpen) const
+{
+    const auto channels = static_cast<std::size_t>(ofOpen.channels);
+    for (std::size_t i = 0; i < ofOpen.values.size(); ++i) ofOpen.values[i] *= open_[i / channels];
+    return ofOpen;
 }
 
 } // namespace lightloom

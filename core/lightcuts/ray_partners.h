@@ -25,12 +25,23 @@ public:
                                       const EntryValues& guess, Workers& workers, const std::stop_token& stop,
                                       double leastChange = 1e-3) const;
 
-    [[nodiscard]] std::size_t memoryBytes() const { return met_.size() * sizeof(std::uint32_t); }
+    /// Of each entry, the share of its rays that begin in the open, 0 to 1: a ray that meets a side of the surface that
+    /// light does not reach comes from where the entry's own surface is hidden too, in a block that stands on it or
+    /// within another body. `bounced` counts these rays as dark; `ofOpen` is the light of the rest alone, 0 where there
+    /// is none.
+    [[nodiscard]] const std::vector<float>& open() const { return open_; }
+    [[nodiscard]] EntryValues ofOpen(EntryValues bounced) const;
+    [[nodiscard]] EntryValues ofAll(EntryValues ofOpen) const; ///< the other way
+
+    [[nodiscard]] std::size_t memoryBytes() const
+    {
+        return met_.size() * sizeof(std::uint32_t) + 2 * open_.size() * sizeof(float);
+    }
 
 private:
     std::size_t count_ = 0;
-    std::vector<float> areas_;       // of entries, m2
-    std::vector<std::uint32_t> met_; // entry that ray i of entry e meets: [e * count_ + i]
+    std::vector<float> areas_, open_; // of entries, m2; see above
+    std::vector<std::uint32_t> met_;  // entry that ray i of entry e meets: [e * count_ + i]
 };
 
 } // namespace lightloom

@@ -321,17 +321,22 @@ private:
         if (all.values.empty() && !voxels.entries.empty()) return cancelled();
         products_.counters.bounces += static_cast<std::uint64_t>(bounces);
         EntryValues byRays;
+        std::shared_ptr<const RayPartners> rays;
         if (params_.voxelRays > 0 && !voxels.entries.empty()) {
-            const auto rays = this->rays(geometry);
+            rays = this->rays(geometry);
             if (rays) byRays = rays->bounced(leaving, albedo, all, control_.workers(), control_.stop());
-            byRays = evened(geometry, std::move(byRays), smooths(VoxelSmooth::bounced));
+            if (byRays.values.empty()) return cancelled();
+            byRays = evened(geometry, rays->ofOpen(std::move(byRays)), smooths(VoxelSmooth::bounced));
             if (byRays.values.empty()) return cancelled();
         }
         all = evened(geometry, std::move(all), smooths(VoxelSmooth::bounced));
         if (!byRays.values.empty()) {
             const auto around = neighbours(geometry);
             if (!around) return cancelled();
-            all = correctedByRays(std::move(all), byRays, *around, control_.workers(), control_.stop());
+            all = correctedByRays(std::move(all), byRays, rays->open(), *around, control_.workers(), control_.stop());
+            if (!all.values.empty())
+                all = spreadIntoHidden(std::move(all), rays->open(), *around, control_.workers(), control_.stop());
+            byRays = rays->ofAll(std::move(byRays));
         }
         if (all.values.empty() && !voxels.entries.empty()) return cancelled();
         EntryValues towards = this->towards(geometry, sum(leaving, reflected(all, albedo)), all, specular, *partners);
