@@ -166,8 +166,7 @@ private Q_SLOTS:
         for (std::size_t d = 0; d < set.size(); ++d) {
             const auto found = lines->find(set[d], 0);
             for (std::uint32_t e = 0; e < found.size(); ++e) {
-                const std::uint32_t stored =
-                    table->block(d / PartnerBlock::kDirections).partner(e, d % PartnerBlock::kDirections);
+                const std::uint32_t stored = table->partner(e, d);
                 QCOMPARE(stored, std::min(found[e], static_cast<std::uint32_t>(found.size())));
             }
         }

@@ -99,7 +99,7 @@ private Q_SLOTS:
             const auto number = static_cast<std::size_t>(d);
             const std::vector<std::uint32_t> found = walked(voxels, lines, set[number], d);
             for (std::size_t e = 0; e < count; ++e) {
-                const std::uint32_t partner = table->block(number / 16).partner(e, number % 16);
+                const std::uint32_t partner = table->partner(e, number);
                 if (found[e] == LinePartners::kNothing)
                     QCOMPARE(partner, static_cast<std::uint32_t>(count));
                 else

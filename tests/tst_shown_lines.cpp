@@ -28,10 +28,7 @@ private Q_SLOTS:
         const ShownLines shown = shownLines(*voxels_.rays, *voxels_.surface, VoxelLines::covered, number, 1'000'000);
         QCOMPARE(shown.every, 1);
         QCOMPARE(shown.lines.size(), shown.allLines);
-        const PartnerBlock& block = table_->block(std::size_t(number) / PartnerBlock::kDirections);
-        const auto partner = [&](std::uint32_t e) {
-            return block.partner(e, std::size_t(number) % PartnerBlock::kDirections);
-        };
+        const auto partner = [&](std::uint32_t e) { return table_->partner(e, std::size_t(number)); };
         std::set<std::pair<std::uint32_t, std::uint32_t>> told;
         std::size_t exact = 0;
         for (const ShownLines::Pair& pair : shown.pairs) {

@@ -14,11 +14,15 @@ constexpr double kMeetings = 10.0; ///< lines that meet what sends light, on ave
 
 std::vector<std::uint32_t> brightestOf(std::span<const float> lumen, std::size_t directions)
 {
-    double sum = 0.0, squares = 0.0;
-    for (const float f : lumen) {
-        sum += static_cast<double>(f);
-        squares += static_cast<double>(f) * static_cast<double>(f);
+    constexpr std::size_t kLong = 4; // sums that do not wait for each other
+    double sums[kLong] = {}, squared[kLong] = {};
+    for (std::size_t i = 0; i < lumen.size(); ++i) {
+        const auto f = static_cast<double>(lumen[i]);
+        sums[i % kLong] += f;
+        squared[i % kLong] += f * f;
     }
+    const double sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
+    const double squares = (squared[0] + squared[1]) + (squared[2] + squared[3]);
     const auto ways = static_cast<double>(directions);
     const double spread = std::min(ways, kMeetings * static_cast<double>(lumen.size()) / ways);
     if (!(sum * sum < spread * squares)) return {};

@@ -4,22 +4,36 @@
 #include <utility>
 
 namespace lightloom {
+namespace {
 
-LightStrip::LightStrip(std::span<const Orientation> entries, std::span<const glm::vec3> albedo,
-                       const EntryValues& radiosity, std::size_t firstChannel)
-    : entries_(entries), albedo_(albedo), firstChannel_(firstChannel),
+Floats4& lanes(ChannelLines& lines, std::size_t four) { return lanesOf<Floats4>(lines.fours[four].values, 0); }
+const Floats4& lanes(const ChannelLines& lines, std::size_t four)
+{
+    return lanesOf<Floats4>(lines.fours[four].values, 0);
+}
+
+} // namespace
+
+LightStrip::LightStrip(const RowOrder& order, std::span<const glm::vec3> albedo, const EntryValues& radiosity,
+                       std::size_t firstChannel)
+    : order_(order), firstChannel_(firstChannel),
       channels_(std::min(kMostChannels, static_cast<std::size_t>(radiosity.channels) - firstChannel)),
-      leaving_(entries.size(), channels_), arriving_(entries.size(), channels_), all_(entries.size(), channels_),
-      cosines_(entries.size()), groups_((channels_ + 2) / 3)
+      albedo_(order.size(), channels_), leaving_(order.size(), channels_), arriving_(order.size(), channels_),
+      all_(order.size(), channels_), cosines_(order.size()), groups_((channels_ + 2) / 3)
 {
     const float* from = radiosity.values.data() + firstChannel;
-    for (std::size_t e = 0; e < entries.size(); ++e, from += radiosity.channels)
-        std::copy_n(from, channels_, leaving_.line(e));
+    const auto stride = static_cast<std::size_t>(radiosity.channels);
+    for (std::size_t r = 0; r < order.size(); ++r) {
+        const std::size_t e = order.entryOf[r];
+        std::copy_n(from + e * stride, channels_, leaving_.line(r));
+        float* sentOn = albedo_.line(r);
+        for (std::size_t c = 0; c < channels_; ++c) sentOn[c] = albedo[e][static_cast<int>(c % 3)];
+    }
 }
 
 std::size_t LightStrip::bytesFor(std::size_t entries)
 {
-    return (entries + 1) * (3 * ChannelLines::kMostWidth * sizeof(ChannelLines::Four) + sizeof(float));
+    return (entries + 1) * (4 * ChannelLines::kMostWidth * sizeof(ChannelLines::Four) + sizeof(float));
 }
 
 void LightStrip::beginBounce(std::size_t directions, bool looksForBright)
@@ -35,15 +49,17 @@ void LightStrip::beginBounce(std::size_t directions, bool looksForBright)
 void LightStrip::takeBright(std::size_t group, std::size_t directions)
 {
     const std::size_t first = 3 * group, count = std::min<std::size_t>(3, channels_ - first);
-    std::vector<float> lumen(entries_.size());
-    for (std::size_t e = 0; e < entries_.size(); ++e) {
-        const float* leaving = leaving_.line(e) + first;
-        for (std::size_t c = 0; c < count; ++c) lumen[e] += leaving[c] * entries_[e].area;
+    std::vector<float> lumen(order_.size());
+    for (std::size_t r = 0; r < lumen.size(); ++r) {
+        const float* leaving = leaving_.line(r) + first;
+        float sum = 0.0f;
+        for (std::size_t c = 0; c < count; ++c) sum += leaving[c];
+        lumen[r] = sum * order_.orientations[r].area;
     }
-    for (const std::uint32_t e : brightestOf(lumen, directions)) {
-        BrightEntry bright{e, glm::vec3(0.0f)};
+    for (const std::uint32_t r : brightestOf(lumen, directions)) {
+        BrightEntry bright{order_.entryOf[r], glm::vec3(0.0f)};
         for (std::size_t c = 0; c < count; ++c)
-            bright.radiosity[static_cast<int>(c)] = std::exchange(leaving_.line(e)[first + c], 0.0f);
+            bright.radiosity[static_cast<int>(c)] = std::exchange(leaving_.line(r)[first + c], 0.0f);
         groups_[group].bright.push_back(bright);
     }
 }
@@ -51,15 +67,16 @@ void LightStrip::takeBright(std::size_t group, std::size_t directions)
 /// E = sum of B / pi cos dOmega, with dOmega such that the sum of cos dOmega over the entry's half space is pi.
 void LightStrip::arrive(const RayScene& rays, const SurfaceVoxels& voxels, std::size_t first, std::size_t end)
 {
-    for (std::size_t e = first; e < end; ++e) {
-        const float share = cosines_[e] > 0.0f ? 1.0f / cosines_[e] : 0.0f;
-        float* lux = arriving_.line(e);
-        for (std::size_t c = 0; c < channels_; ++c) lux[c] *= share;
-        for (std::size_t g = 0; g < groups_.size(); ++g) {
-            if (groups_[g].bright.empty()) continue;
-            const glm::vec3 straight = luxFrom(groups_[g].bright, e, rays, voxels);
+    for (std::size_t r = first; r < end; ++r) {
+        const float share = cosines_[r] > 0.0f ? 1.0f / cosines_[r] : 0.0f;
+        for (std::size_t w = 0; w < arriving_.width; ++w) lanes(arriving_, r * arriving_.width + w) *= share;
+    }
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+        if (groups_[g].bright.empty()) continue;
+        for (std::size_t r = first; r < end; ++r) {
+            const glm::vec3 straight = luxFrom(groups_[g].bright, order_.entryOf[r], rays, voxels);
             for (std::size_t c = 3 * g; c < std::min(channels_, 3 * g + 3); ++c)
-                lux[c] += straight[static_cast<int>(c % 3)];
+                arriving_.line(r)[c] += straight[static_cast<int>(c % 3)];
         }
     }
 }
@@ -67,35 +84,30 @@ void LightStrip::arrive(const RayScene& rays, const SurfaceVoxels& voxels, std::
 /// Lumen of each group that the bounce brings to all entries, its three channels together.
 std::vector<double> LightStrip::lumenArrived() const
 {
-    std::vector<double> lumen;
-    for (std::size_t g = 0; g < groups_.size(); ++g) {
-        double sum = 0.0;
-        for (std::size_t e = 0; e < entries_.size(); ++e) {
-            const float* lux = arriving_.line(e);
-            double here = 0.0; // one step of the long sum: each waits for the one before
-            for (std::size_t c = 3 * g; c < std::min(channels_, 3 * g + 3); ++c)
-                here += static_cast<double>(lux[c] * entries_[e].area);
-            sum += here;
-        }
-        lumen.push_back(sum);
+    constexpr std::size_t kTogether = 64; // rows whose sum fits into a float
+    const std::size_t width = arriving_.width;
+    std::vector<double> lumen(groups_.size());
+    for (std::size_t first = 0; first < order_.size(); first += kTogether) {
+        Floats4 sums[ChannelLines::kMostWidth] = {};
+        for (std::size_t r = first; r < std::min(order_.size(), first + kTogether); ++r)
+            for (std::size_t w = 0; w < width; ++w)
+                sums[w] += lanes(arriving_, r * width + w) * order_.orientations[r].area;
+        for (std::size_t c = 0; c < channels_; ++c) lumen[c / 3] += static_cast<double>(sums[c / 4][c % 4]);
     }
     return lumen;
 }
 
 void LightStrip::passOn(std::size_t first, std::size_t end, bool isFirst)
 {
-    for (std::size_t e = first; e < end; ++e) {
-        const float* lux = arriving_.line(e);
-        float* leaving = leaving_.line(e);
-        for (std::size_t c = 0; c < channels_; ++c)
-            leaving[c] = lux[c] * albedo_[e][static_cast<int>(c % 3)] + (isFirst ? leaving[c] : 0.0f);
-    }
+    const float kept = isFirst ? 1.0f : 0.0f;
+    for (std::size_t i = first * leaving_.width; i < end * leaving_.width; ++i)
+        lanes(leaving_, i) = lanes(arriving_, i) * lanes(albedo_, i) + lanes(leaving_, i) * kept;
 }
 
 bool LightStrip::endBounce(float leastGain, bool isLast)
 {
     const std::vector<double> lumen = lumenArrived();
-    float weights[kMostChannels] = {}; // of groups that are done: 0
+    alignas(16) float weights[kMostChannels + 1] = {}; // of groups that are done: 0
     bool areDone = true;
     for (std::size_t g = 0; g < groups_.size(); ++g) {
         Group& group = groups_[g];
@@ -108,12 +120,12 @@ bool LightStrip::endBounce(float leastGain, bool isLast)
         group.before = lumen[g];
         areDone &= group.isDone;
     }
-    for (std::size_t e = 0; e < entries_.size(); ++e) {
-        const float* lux = arriving_.line(e);
-        float *all = all_.line(e), *leaving = leaving_.line(e);
-        for (std::size_t c = 0; c < channels_; ++c) {
-            all[c] += lux[c] * weights[c];
-            leaving[c] = lux[c] * albedo_[e][static_cast<int>(c % 3)];
+    const std::size_t width = all_.width;
+    for (std::size_t i = 0; i < order_.size() * width; i += width) {
+        for (std::size_t w = 0; w < width; ++w) {
+            const Floats4 lux = lanes(arriving_, i + w);
+            lanes(all_, i + w) += lux * lanesOf<Floats4>(weights, w);
+            lanes(leaving_, i + w) = lux * lanes(albedo_, i + w);
         }
     }
     return areDone;
@@ -122,7 +134,9 @@ bool LightStrip::endBounce(float leastGain, bool isLast)
 void LightStrip::writeTo(EntryValues& lux) const
 {
     float* to = lux.values.data() + firstChannel_;
-    for (std::size_t e = 0; e < entries_.size(); ++e, to += lux.channels) std::copy_n(all_.line(e), channels_, to);
+    const auto stride = static_cast<std::size_t>(lux.channels);
+    for (std::size_t r = 0; r < order_.size(); ++r)
+        std::copy_n(all_.line(r), channels_, to + order_.entryOf[r] * stride);
 }
 
 } // namespace lightloom

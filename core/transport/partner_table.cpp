@@ -32,14 +32,16 @@ PartnerBlock::PartnerBlock(std::size_t entries)
         wide_ = std::make_unique_for_overwrite<std::uint32_t[]>(count);
 }
 
-PartnerBlock::PartnerBlock(std::size_t entries, std::span<const std::uint32_t> found) : PartnerBlock(entries)
+PartnerBlock::PartnerBlock(const RowOrder& order, std::span<const std::uint32_t> found) : PartnerBlock(order.size())
 {
+    const std::size_t entries = order.size();
     assert(found.size() == entries * kDirections);
     const auto turn = [&]<class Number>(Number* rows) {
-        const auto nothing = static_cast<std::uint32_t>(entries);
-        for (std::size_t e = 0; e < entries; ++e, rows += kDirections) {
-            for (std::size_t i = 0; i < kDirections; ++i)
-                rows[i] = static_cast<Number>(std::min(found[i * entries + e], nothing));
+        for (std::size_t r = 0; r < entries; ++r, rows += kDirections) {
+            for (std::size_t i = 0; i < kDirections; ++i) {
+                const std::size_t partner = found[i * entries + order.entryOf[r]];
+                rows[i] = static_cast<Number>(order.rowOf[std::min(partner, entries)]);
+            }
         }
     };
     narrow_ ? turn(narrow_.get()) : turn(wide_.get());
@@ -50,9 +52,9 @@ std::size_t PartnerBlock::bytesFor(std::size_t entries)
     return entries * kDirections * (entries <= kMostNarrow ? sizeof(std::uint16_t) : sizeof(std::uint32_t));
 }
 
-std::uint32_t PartnerBlock::partner(std::size_t entry, std::size_t direction) const
+std::uint32_t PartnerBlock::partner(std::size_t row, std::size_t direction) const
 {
-    const std::size_t at = entry * kDirections + direction;
+    const std::size_t at = row * kDirections + direction;
     return narrow_ ? narrow_[at] : wide_[at];
 }
 
@@ -78,7 +80,7 @@ PartnerBlock BlockWalker::walk(std::size_t block)
     }
     const std::scoped_lock lock(mutex_);
     idle_.push_back(std::move(finder));
-    return {entries, found};
+    return {*orders_.rows(), found};
 }
 
 std::size_t PartnerTable::bytesFor(std::size_t entries, int directions)
@@ -95,7 +97,7 @@ std::shared_ptr<const PartnerTable> PartnerTable::make(const RayScene& rays, con
     const std::size_t entries = voxels.entries.size();
     while (directions > 0 && bytesFor(entries, directions) > mostBytes)
         directions = static_cast<int>((blocksFor(directions) - 1) * PartnerBlock::kDirections);
-    const std::shared_ptr<PartnerTable> table(new PartnerTable(entries, directions));
+    const std::shared_ptr<PartnerTable> table(new PartnerTable(orders.rows(), directions));
     const std::vector<LineDirection> set = directions > 0 ? directionSet(directions) : std::vector<LineDirection>{};
     BlockWalker walker(rays, voxels, orders, set);
     for (std::size_t b = 0; b < blocksFor(directions); ++b) table->blocks_.emplace_back();
@@ -105,6 +107,13 @@ std::shared_ptr<const PartnerTable> PartnerTable::make(const RayScene& rays, con
         if (progress) progress(static_cast<double>(++done) / static_cast<double>(table->blocks_.size()));
     });
     return all && !stop.stop_requested() ? table : nullptr;
+}
+
+std::uint32_t PartnerTable::partner(std::size_t entry, std::size_t direction) const
+{
+    const std::uint32_t row = blocks_[direction / PartnerBlock::kDirections].partner(
+        order_->rowOf[entry], direction % PartnerBlock::kDirections);
+    return row < entries() ? order_->entryOf[row] : row;
 }
 
 } // namespace lightloom

@@ -8,23 +8,27 @@
 
 namespace lightloom {
 
-/// Who every entry sees in up to kDirections directions of a set that follow each other: one row per entry. Partners
-/// are numbers of entries; the number of all entries stands for none. Two bytes each up to 65,535 entries, else four.
+/// Who every entry sees in up to kDirections directions of a set that follow each other: one row per entry, in a
+/// RowOrder. Partners are numbers of rows; the number of all rows stands for none. Two bytes each up to 65,535 entries,
+/// else four.
 class PartnerBlock {
 public:
     static constexpr std::size_t kDirections = 16;
     explicit PartnerBlock(std::size_t entries = 0);
-    /// From partners by direction, kDirections after another: `found[i * entries + e]`, beyond all entries for none.
-    PartnerBlock(std::size_t entries, std::span<const std::uint32_t> found);
+    /// From entries' partners by direction, kDirections after another: `found[i * entries + e]`, beyond all for none.
+    PartnerBlock(const RowOrder& order, std::span<const std::uint32_t> found);
     [[nodiscard]] static std::size_t bytesFor(std::size_t entries);
 
-    [[nodiscard]] std::uint32_t partner(std::size_t entry, std::size_t direction) const;
-    /// Calls `what` with the rows: row e is [e * kDirections, (e + 1) * kDirections).
-    template<class Do>
-    void withRows(Do what) const
+    [[nodiscard]] std::uint32_t partner(std::size_t row, std::size_t direction) const;
+    [[nodiscard]] bool isNarrow() const { return narrow_ != nullptr; } ///< two bytes each
+    /// Row r is [r * kDirections, (r + 1) * kDirections), of two bytes each or of four, as `isNarrow` says.
+    template<class Number>
+    [[nodiscard]] const Number* rows() const
     {
-        narrow_ ? what(static_cast<const std::uint16_t*>(narrow_.get()))
-                : what(static_cast<const std::uint32_t*>(wide_.get()));
+        if constexpr (sizeof(Number) == 2)
+            return narrow_.get();
+        else
+            return wide_.get();
     }
 
 private:
@@ -73,15 +77,20 @@ public:
                                                                   const std::function<void(double)>& progress = {});
 
     [[nodiscard]] int directions() const { return directions_; }
-    [[nodiscard]] std::size_t entries() const { return entries_; }
-    [[nodiscard]] std::size_t memoryBytes() const { return blocks_.size() * PartnerBlock::bytesFor(entries_); }
+    [[nodiscard]] std::size_t entries() const { return order_->size(); }
+    [[nodiscard]] std::size_t memoryBytes() const { return blocks_.size() * PartnerBlock::bytesFor(entries()); }
     /// Directions [number * PartnerBlock::kDirections, ...).
     [[nodiscard]] const PartnerBlock& block(std::size_t number) const { return blocks_[number]; }
+    /// The entry that `entry` sees along a direction; the number of all entries: none.
+    [[nodiscard]] std::uint32_t partner(std::size_t entry, std::size_t direction) const;
 
 private:
-    PartnerTable(std::size_t entries, int directions) : entries_(entries), directions_(directions) {}
+    PartnerTable(std::shared_ptr<const RowOrder> order, int directions)
+        : order_(std::move(order)), directions_(directions)
+    {
+    }
 
-    std::size_t entries_;
+    std::shared_ptr<const RowOrder> order_;
     int directions_;
     std::vector<PartnerBlock> blocks_;
 };

@@ -15,8 +15,8 @@ class Bouncer {
 public:
     Bouncer(const RayScene& rays, const SurfaceVoxels& voxels, const VoxelOrders& orders, const BounceParams& params,
             const PartnerTable* stored, Workers& workers, const std::stop_token& stop)
-        : rays_(rays), voxels_(voxels), directions_(directionSet(params.directions)), params_(params), stored_(stored),
-          walker_(rays, voxels, orders, directions_), workers_(workers), stop_(stop)
+        : rays_(rays), voxels_(voxels), order_(*orders.rows()), directions_(directionSet(params.directions)),
+          params_(params), stored_(stored), walker_(rays, voxels, orders, directions_), workers_(workers), stop_(stop)
     {
         assert(!stored || stored->entries() == voxels.entries.size());
         assert(params.order == VoxelBounces::halving || (stored && stored->directions() >= params.directions));
@@ -49,12 +49,12 @@ public:
     }
 
 private:
-    struct Part { // of the entries: from the first to before the end
+    struct Part { // of the rows: from the first to before the end
         std::size_t first, end;
     };
     [[nodiscard]] Part all() const { return {0, voxels_.entries.size()}; }
 
-    /// What arrives at a part of the entries along the first `count` directions. False: stopped.
+    /// What arrives at a part of the rows along the first `count` directions. False: stopped.
     [[nodiscard]] bool carry(std::span<LightStrip> strips, std::size_t count, Part part)
     {
         return gather(strips, count, part) && arrive(strips, part);
@@ -108,19 +108,19 @@ private:
     {
         std::vector<BlockDirections> directions;
         for (std::size_t b = 0; b < blocks.size(); ++b) directions.emplace_back(set, first + b);
-        return forEntries(strips, part, [&](LightStrip& strip, std::size_t from, std::size_t to) {
-            for (std::size_t b = 0; b < blocks.size(); ++b) strip.gather(*blocks[b], directions[b], from, to);
+        return forRows(strips, part, [&](LightStrip& strip, std::size_t from, std::size_t to) {
+            strip.gather(blocks, directions, from, to);
         });
     }
     [[nodiscard]] bool arrive(std::span<LightStrip> strips, Part part)
     {
-        return forEntries(strips, part, [&](LightStrip& strip, std::size_t from, std::size_t to) {
+        return forRows(strips, part, [&](LightStrip& strip, std::size_t from, std::size_t to) {
             strip.arrive(rays_, voxels_, from, to);
         });
     }
-    /// Calls `body` for some entries of a part of a strip after the other. False: stopped.
+    /// Calls `body` for some rows of a part of a strip after the other. False: stopped.
     template<class Body>
-    [[nodiscard]] bool forEntries(std::span<LightStrip> strips, Part part, const Body& body)
+    [[nodiscard]] bool forRows(std::span<LightStrip> strips, Part part, const Body& body)
     {
         const std::size_t together = params_.order == VoxelBounces::gaussSeidel ? 256 : 1024; // sums stay in the cache
         const std::size_t jobs = (part.end - part.first + together - 1) / together;
@@ -132,6 +132,7 @@ private:
 
     const RayScene& rays_;
     const SurfaceVoxels& voxels_;
+    const RowOrder& order_;
     std::vector<LineDirection> directions_;
     BounceParams params_;
     const PartnerTable* stored_;
@@ -156,7 +157,7 @@ EntryValues bounceLight(const RayScene& rays, const SurfaceVoxels& voxels, const
         std::vector<LightStrip> strips;
         const auto begun = static_cast<double>(first);
         for (; first < channels && strips.size() < bouncer.together(); first += LightStrip::kMostChannels)
-            strips.emplace_back(voxels.entries, albedo, radiosity, first);
+            strips.emplace_back(*orders.rows(), albedo, radiosity, first);
         const auto ended = static_cast<double>(std::min(first, channels));
         const int taken = bouncer.bounce(strips, [&](double part) {
             if (progress) progress((begun + part * (ended - begun)) / static_cast<double>(channels));

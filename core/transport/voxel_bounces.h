@@ -14,7 +14,7 @@ struct BounceParams {
     VoxelBounces order = VoxelBounces::halving; ///< `gaussSeidel` wants all directions stored
 };
 
-/// Parts of the surface that Gauss-Seidel takes in turn, as many entries each, as they are numbered: a bounce then
+/// Parts of the surface that Gauss-Seidel takes in turn, as many entries each, in RowOrder: a bounce then
 /// carries on at once what it has brought to the parts before. Within a part entries do not wait for each other, so
 /// that threads share them.
 inline constexpr std::size_t kBounceParts = 16;

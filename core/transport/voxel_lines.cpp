@@ -132,7 +132,8 @@ std::shared_ptr<const SurfaceVoxels> voxelsFor(VoxelLines lines, std::shared_ptr
     return std::make_shared<const SurfaceVoxels>(withMeanNormals(*voxels));
 }
 
-VoxelOrders::VoxelOrders(const SurfaceVoxels& voxels, VoxelLines lines) : lines_(lines)
+VoxelOrders::VoxelOrders(const SurfaceVoxels& voxels, VoxelLines lines)
+    : lines_(lines), rows_(std::make_shared<const RowOrder>(voxels.entries))
 {
     static_assert(kMostVoxels <= 65'536);
     assert(lines == VoxelLines::covered || voxels.entries.size() == voxels.voxels.size());
@@ -156,7 +157,7 @@ VoxelOrders::VoxelOrders(const SurfaceVoxels& voxels, VoxelLines lines) : lines_
 
 std::size_t VoxelOrders::memoryBytes() const
 {
-    std::size_t bytes = edges_.size() * sizeof(SurfaceBends::Edges);
+    std::size_t bytes = edges_.size() * sizeof(SurfaceBends::Edges) + rows_->memoryBytes();
     for (const WalkOrder& order : orders_) {
         constexpr std::size_t kSlot =
             4 * sizeof(std::uint32_t) + sizeof(std::uint16_t) + 8 * sizeof(float) + sizeof(Plane);

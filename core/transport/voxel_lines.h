@@ -2,6 +2,7 @@
 #pragma once
 #include "core/params/voxel_choices.h"
 #include "core/transport/direction_set.h"
+#include "core/transport/row_order.h"
 #include "core/transport/surface_bend.h"
 #include <array>
 
@@ -57,12 +58,15 @@ public:
     [[nodiscard]] VoxelLines lines() const { return lines_; }
     [[nodiscard]] const WalkOrder& along(int axis) const { return orders_[static_cast<std::size_t>(axis)]; }
     [[nodiscard]] std::span<const SurfaceBends::Edges> edges() const { return edges_; }
+    /// Of the rows in which partners are stored.
+    [[nodiscard]] const std::shared_ptr<const RowOrder>& rows() const { return rows_; }
     [[nodiscard]] std::size_t memoryBytes() const;
 
 private:
     VoxelLines lines_;
     std::array<WalkOrder, 3> orders_;
     std::vector<SurfaceBends::Edges> edges_;
+    std::shared_ptr<const RowOrder> rows_;
 };
 
 /// The partition of a cube of cells into discrete lines of one direction (Debled-Rennesson 1995; papers of 2006 and
