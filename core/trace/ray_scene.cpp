@@ -298,6 +298,30 @@ LIGHTLOOM_WIDE_VECTORS void prepare(const Rays8& rays, std::size_t count, RTCRay
     lanesOf<Ints8>(query.hit.geomID, 0) = lanesOf<Ints8>(query.hit.instID[0], 0) = all;
 }
 
+/// Rays along all of the way but its very end are one length.
+constexpr float kNearlyThere = 1.0f - 1e-6f;
+
+LIGHTLOOM_WIDE_VECTORS void prepare(const Sights8& sights, std::size_t count, RTCRay8& query, int* valid)
+{
+    const Floats8 zero{};
+    const Ints8 none{}, all = none - 1;
+    Floats8 sum = zero;
+    float* const origin[] = {query.org_x, query.org_y, query.org_z};
+    float* const travel[] = {query.dir_x, query.dir_y, query.dir_z};
+    for (int axis = 0; axis < 3; ++axis) {
+        const Floats8 o = lanesOf<Floats8>(sights.from[axis], 0), d = lanesOf<Floats8>(sights.to[axis], 0) - o;
+        lanesOf<Floats8>(origin[axis], 0) = o, lanesOf<Floats8>(travel[axis], 0) = d;
+        sum += o + d;
+    }
+    const Ints8 lane{0, 1, 2, 3, 4, 5, 6, 7};
+    const Ints8 isValid = (sum * 0.0f == 0.0f) & (lane < static_cast<int>(count)); // NaN unless all are finite
+    lanesOf<Ints8>(valid, 0) = isValid;
+    lanesOf<Floats8>(query.tnear, 0) = lanesOf<Floats8>(query.time, 0) = zero;
+    lanesOf<Floats8>(query.tfar, 0) = isValid ? zero + kNearlyThere : zero - 1.0f; // blocked where it is not finite
+    lanesOf<Ints8>(query.mask, 0) = all;
+    lanesOf<Ints8>(query.id, 0) = lanesOf<Ints8>(query.flags, 0) = none;
+}
+
 } // namespace
 
 void RayScene::intersect(const Rays8& rays, std::size_t count, Met8& met) const
@@ -323,6 +347,20 @@ void RayScene::intersect(const Rays8& rays, std::size_t count, Met8& met) const
     }
 }
 
+std::uint32_t RayScene::areBlocked(const Sights8& sights, std::size_t count) const
+{
+    static_assert(Sights8::kCount == kLanes);
+    alignas(32) std::array<int, kLanes> valid;
+    RTCRay8 query;
+    prepare(sights, count, query, valid.data());
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded8(valid.data(), state_->tree.get(), &context, &query);
+    std::uint32_t blocked = 0;
+    for (std::size_t i = 0; i < count; ++i) blocked |= std::uint32_t(query.tfar[i] < 0.0f) << i;
+    return blocked;
+}
+
 bool RayScene::isBlocked(glm::vec3 origin, glm::vec3 travel, float most) const
 {
     if (!isFinite(origin) || !isFinite(travel)) return true;
@@ -333,10 +371,6 @@ bool RayScene::isBlocked(glm::vec3 origin, glm::vec3 travel, float most) const
     return ray.tfar < 0.0f;
 }
 
-bool RayScene::isBlocked(glm::vec3 from, glm::vec3 to) const
-{
-    // parametric: the ray's length is 1 and ends just before `to`
-    return isBlocked(from, to - from, 1.0f - 1e-6f);
-}
+bool RayScene::isBlocked(glm::vec3 from, glm::vec3 to) const { return isBlocked(from, to - from, kNearlyThere); }
 
 } // namespace lightloom

@@ -45,6 +45,16 @@ struct alignas(32) Met8 {
     float u[Rays8::kCount], v[Rays8::kCount], distance[Rays8::kCount];
 };
 
+/// Eight pairs of points side by side.
+struct alignas(32) Sights8 {
+    static constexpr std::size_t kCount = 8;
+    float from[3][kCount], to[3][kCount];
+    void set(std::size_t i, glm::vec3 a, glm::vec3 b)
+    {
+        for (int axis = 0; axis < 3; ++axis) from[axis][i] = a[axis], to[axis][i] = b[axis];
+    }
+};
+
 /// One triangle in its place. A cache line each: a hit reads one.
 struct alignas(64) SceneTriangle {
     glm::vec3 a, b, c;      ///< scene space, in the order that faces front (mirrored instances are turned)
@@ -88,6 +98,8 @@ public:
     }
     /// True if anything opaque lies between the two points; both are taken as they are: move them off surfaces first.
     [[nodiscard]] bool isBlocked(glm::vec3 from, glm::vec3 to) const;
+    /// The same for the first `count` of eight pairs, as bits: one ray takes a third of the time where they run alike.
+    [[nodiscard]] std::uint32_t areBlocked(const Sights8& sights, std::size_t count) const;
     /// The same along a direction, to distance `most`.
     [[nodiscard]] bool isBlocked(glm::vec3 origin, glm::vec3 travel, float most) const;
 

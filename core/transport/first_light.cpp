@@ -4,6 +4,7 @@
 #include "core/base/sampling.h"
 #include "core/trace/material.h"
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cassert>
 #include <limits>
@@ -62,48 +63,91 @@ void spreadPoints(std::size_t e, std::uint64_t seed, const LightReach& reach, co
     }
 }
 
-/// Light of one group at points of one entry. Lamps of wide surface near a point are found half by sampling their
+/// Light that arrives unless something is in its way: asked for eight at a time.
+class ShadowRays {
+public:
+    explicit ShadowRays(const RayScene& rays) : rays_(rays) {}
+    /// Adds `lux` to `sum`, now or with a later one, if nothing lies between.
+    void add(glm::vec3 from, glm::vec3 to, glm::vec3 lux, glm::vec3& sum)
+    {
+        sights_.set(count_, from, to);
+        lux_[count_] = lux;
+        sums_[count_] = &sum;
+        if (++count_ == Sights8::kCount) trace();
+    }
+    /// Adds all that is still waiting.
+    void trace()
+    {
+        for (std::size_t i = count_; i < Sights8::kCount; ++i) sights_.set(i, glm::vec3(0.0f), glm::vec3(0.0f));
+        const std::uint32_t blocked = count_ > 0 ? rays_.areBlocked(sights_, count_) : 0;
+        for (std::size_t i = 0; i < count_; ++i)
+            if (!(blocked >> i & 1u)) *sums_[i] += lux_[i];
+        count_ = 0;
+    }
+
+private:
+    const RayScene& rays_;
+    Sights8 sights_;
+    glm::vec3 lux_[Sights8::kCount];
+    glm::vec3* sums_[Sights8::kCount];
+    std::size_t count_ = 0;
+};
+
+/// Light of one group at points of entries. Lamps of wide surface near a point are found half by sampling their
 /// surface, half by a ray along the cosine (balance heuristic): sampled by surface alone, walls that shine beside the
 /// point would bring a few huge samples.
 class GroupLight {
 public:
-    GroupLight(const LightSampler& lights, int group) : lights_(lights), rays_(*lights.rays()), group_(group) {}
-
-    /// Mean illuminance over the points, lux.
-    [[nodiscard]] glm::vec3 over(std::span<const PointOnEntry> points, Rng& rng) const
+    GroupLight(const LightSampler& lights, int group) : lights_(lights), rays_(*lights.rays()), group_(group)
     {
-        glm::vec3 sum(0.0f);
+        for (const int e : lights.inGroup(group)) hasSurface_ |= emitter(e).kind == Emitter::Kind::surface;
+    }
+
+    /// Adds the illuminance of all points, lux: to `fromLamps` what shadow rays let through, as `shadows` get to them,
+    /// to `byRays` the rest.
+    void over(std::span<const PointOnEntry> points, Rng& rng, ShadowRays& shadows, glm::vec3& fromLamps,
+              glm::vec3& byRays) const
+    {
         const int count = static_cast<int>(points.size());
-        for (const int emitter : lights_.inGroup(group_)) {
+        for (const int number : lights_.inGroup(group_)) {
             const ShiftedPoints spots(count, rng); // of the lamp: one for each point
-            for (int i = 0; i < count; ++i) sum += fromLamp(emitter, points[static_cast<std::size_t>(i)], spots[i]);
+            const bool isSurface = emitter(number).kind == Emitter::Kind::surface;
+            for (int i = 0; i < count; ++i)
+                fromLamp(number, points[static_cast<std::size_t>(i)], isSurface ? spots[i] : glm::vec2(0.5f), shadows,
+                         fromLamps);
         }
+        if (!hasSurface_) return;
         const ShiftedPoints ways(count, rng);
-        for (int i = 0; i < count; ++i) sum += byRay(points[static_cast<std::size_t>(i)], ways[i]);
-        return sum / static_cast<float>(count);
+        for (int i = 0; i < count; ++i) byRays += byRay(points[static_cast<std::size_t>(i)], ways[i]);
     }
 
 private:
-    [[nodiscard]] bool isWide(const Emitter& emitter, glm::vec3 p) const
+    [[nodiscard]] const Emitter& emitter(int number) const
+    {
+        return lights_.emitters()[static_cast<std::size_t>(number)];
+    }
+    [[nodiscard]] static bool isWide(const Emitter& emitter, glm::vec3 p)
     {
         constexpr float kWide = 0.1f; // mean squared distance of its surface from its middle, over that of the point
         const glm::vec3 way = emitter.centre - p;
         return emitter.kind == Emitter::Kind::surface && emitter.spreadSquared > kWide * glm::dot(way, way);
     }
-    [[nodiscard]] glm::vec3 fromLamp(int number, const PointOnEntry& p, glm::vec2 spot) const
+    void fromLamp(int number, const PointOnEntry& p, glm::vec2 spot, ShadowRays& shadows, glm::vec3& sum) const
     {
         LightSample s;
-        if (!lights_.sample(number, p.position, spot, s)) return glm::vec3(0.0f);
+        if (!lights_.sample(number, p.position, spot, s)) return;
         const float cosine = glm::dot(p.normal, s.toLight);
-        if (!(cosine > 0.0f) || rays_.isBlocked(rays_.leave(p.position, p.normal), s.end)) return glm::vec3(0.0f);
-        if (s.isPunctual()) return s.illuminance * cosine;
-        const Emitter& emitter = lights_.emitters()[static_cast<std::size_t>(number)];
-        const float byCosine = isWide(emitter, p.position) ? cosine / kPi : 0.0f;
-        return s.radiance * (cosine / (s.pdf + byCosine));
+        if (!(cosine > 0.0f)) return;
+        glm::vec3 lux = s.illuminance * cosine;
+        if (!s.isPunctual()) {
+            const float byCosine = isWide(emitter(number), p.position) ? cosine / kPi : 0.0f;
+            lux = s.radiance * (cosine / (s.pdf + byCosine));
+        }
+        shadows.add(rays_.leave(p.position, p.normal), s.end, lux, sum);
     }
     [[nodiscard]] glm::vec3 byRay(const PointOnEntry& p, glm::vec2 u) const
     {
-        const auto isNear = [&](int e) { return isWide(lights_.emitters()[static_cast<std::size_t>(e)], p.position); };
+        const auto isNear = [&](int e) { return isWide(emitter(e), p.position); };
         if (std::ranges::none_of(lights_.inGroup(group_), isNear)) return glm::vec3(0.0f);
         const glm::vec3 away = Frame(p.normal).toWorld(sampleCosineHemisphere(u.x, u.y));
         const float cosine = glm::dot(away, p.normal);
@@ -111,8 +155,7 @@ private:
         if (!(cosine > 0.0f) || !rays_.intersect(rays_.leave(p.position, p.normal), away, kFar, hit))
             return glm::vec3(0.0f);
         const int e = lights_.emitterOf(hit.triangle);
-        if (e < 0 || lights_.emitters()[static_cast<std::size_t>(e)].group != group_ || !isNear(e))
-            return glm::vec3(0.0f);
+        if (e < 0 || emitter(e).group != group_ || !isNear(e)) return glm::vec3(0.0f);
         return surfaceAt(rays_, hit).emission * (cosine / (cosine / kPi + lights_.pdf(p.position, hit)));
     }
 
@@ -120,6 +163,7 @@ private:
     const LightSampler& lights_;
     const RayScene& rays_;
     int group_;
+    bool hasSurface_ = false;
 };
 
 } // namespace
@@ -163,22 +207,32 @@ EntryValues firstLight(const LightSampler& lights, const LightReach& reach, cons
     const std::size_t count = groups.size(), entries = voxels.entries.size();
     EntryValues lux{static_cast<int>(3 * count), std::vector<float>(3 * count * entries, 0.0f)};
     const std::uint64_t stream = hashName("first light of a group");
-    const auto light = [&](std::size_t e, std::size_t g, std::span<const PointOnEntry> points) {
-        Rng rng(seed, stream + static_cast<std::uint64_t>(groups[g]), e);
-        const glm::vec3 found = GroupLight(lights, groups[g]).over(points, rng);
-        for (int c = 0; c < 3; ++c) lux.values[(e * count + g) * 3 + static_cast<std::size_t>(c)] = found[c];
+    const auto each = static_cast<std::size_t>(samples);
+    // eight rays that go together are of one group and one block: no other has a say in what comes of them
+    const auto light = [&](std::size_t first, std::size_t end, std::size_t g, std::span<const PointOnEntry> points) {
+        const GroupLight group(lights, groups[g]);
+        ShadowRays shadows(*lights.rays());
+        std::array<glm::vec3, kBlock> fromLamps{}, byRays{};
+        for (std::size_t e = first; e < end; ++e) {
+            Rng rng(seed, stream + static_cast<std::uint64_t>(groups[g]), e);
+            group.over(points.subspan((e - first) * each, each), rng, shadows, fromLamps[e - first], byRays[e - first]);
+        }
+        shadows.trace();
+        for (std::size_t e = first; e < end; ++e) {
+            const glm::vec3 mean = (fromLamps[e - first] + byRays[e - first]) / static_cast<float>(samples);
+            for (int c = 0; c < 3; ++c) lux.values[(e * count + g) * 3 + static_cast<std::size_t>(c)] = mean[c];
+        }
     };
     const std::size_t blocks = (entries + kBlock - 1) / kBlock;
     std::atomic<std::size_t> done = 0;
     const bool all = workers.run(blocks, stop, [&](std::size_t block) {
-        const auto each = static_cast<std::size_t>(samples);
-        std::vector<PointOnEntry> own(kept ? 0 : each);
-        for (std::size_t e = block * kBlock; e < std::min(entries, (block + 1) * kBlock); ++e) {
-            if (!kept) spreadPoints(e, seed, reach, voxels, own);
-            const auto points =
-                kept ? std::span(kept->points).subspan(e * each, each) : std::span<const PointOnEntry>(own);
-            for (std::size_t g = 0; g < count; ++g) light(e, g, points);
-        }
+        const std::size_t first = block * kBlock, end = std::min(entries, first + kBlock);
+        std::vector<PointOnEntry> own(kept ? 0 : (end - first) * each);
+        for (std::size_t e = first; e < end && !kept; ++e)
+            spreadPoints(e, seed, reach, voxels, std::span(own).subspan((e - first) * each, each));
+        const std::span<const PointOnEntry> points =
+            kept ? std::span(kept->points).subspan(first * each, (end - first) * each) : own;
+        for (std::size_t g = 0; g < count; ++g) light(first, end, g, points);
         if (progress) progress(static_cast<double>(++done) / static_cast<double>(blocks));
     });
     return all ? lux : EntryValues{};
