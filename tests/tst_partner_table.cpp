@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Claims: stored rows hold what walking the lines finds, two or four bytes each, as many as fit; a bounce is the sum of
-// what partners send times cosine over all cosines; bounces have the same bits with stored rows, with a part of them
-// and with none, on any number of threads; each light group's are those that it has alone.
+// Claims: rows are entries wall by wall; they hold what walking the lines finds, two or four bytes each, as many as
+// fit; a bounce is the sum of what partners send times cosine over all cosines; bounces have the same bits with stored
+// rows, with a part of them and with none, on any number of threads; each light group's are those that it has alone.
 #include "core/scene/sample_scenes.h"
 #include "voxel_helpers.h"
 #include <QtTest>
 #include <algorithm>
 #include <set>
+#include <tuple>
 
 using namespace lightloom;
 using namespace lightloom::test;
@@ -73,6 +74,32 @@ class PartnerTableTest : public QObject {
     Q_OBJECT
 
 private Q_SLOTS:
+    void rowsStandWallByWall()
+    {
+        const Voxels voxels(*sampleScene("cornell"), 48);
+        const RowOrder& order = *voxels.orders->rows();
+        const std::vector<Orientation>& entries = voxels.entries();
+        QCOMPARE(order.size(), entries.size());
+        QCOMPARE(order.rowOf.size(), entries.size() + 1);
+        QCOMPARE(order.rowOf.back(), static_cast<std::uint32_t>(entries.size()));
+        std::set<std::tuple<float, float, float>> begun;
+        std::size_t alike = 0, turns = 0;
+        for (std::size_t r = 0; r < order.size(); ++r) {
+            const std::uint32_t e = order.entryOf[r];
+            QCOMPARE(order.rowOf[e], static_cast<std::uint32_t>(r)); // so that each has a row of its own
+            QVERIFY(order.orientations[r].centroid == entries[e].centroid);
+            const glm::vec3 n = entries[e].normal;
+            if (r > 0 && n == order.orientations[r - 1].normal) {
+                QVERIFY(e > order.entryOf[r - 1]);
+                ++alike;
+            } else {
+                turns += begun.insert({n.x, n.y, n.z}).second ? 0 : 1;
+            }
+        }
+        qInfo("%zu of %zu rows are like the one before, %zu normals met again", alike, order.size(), turns);
+        QVERIFY(alike > order.size() * 9 / 10 && turns < order.size() / 20);
+    }
+
     void rowsHoldWhatWalkingFinds_data()
     {
         QTest::addColumn<int>("cells");

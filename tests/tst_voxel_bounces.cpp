@@ -51,6 +51,7 @@ private Q_SLOTS:
         BounceParams params;
         params.directions = params.leastDirections = 256;
         params.leastGain = 1e-4f;
+        params.seriesOff = 0.0f; // a furnace's light is a series from the start
         const auto count = voxels.entries().size();
         const EntryValues light{3, std::vector<float>(3 * count, 1.0f)};
         const std::vector<glm::vec3> albedo(count, glm::vec3(static_cast<float>(rho)));
@@ -83,6 +84,57 @@ private Q_SLOTS:
             QVERIFY(std::sqrt(off / area) <= 1e-4 * mean);
         }
         QVERIFY(bounces[1] <= 0.75 * bounces[0]); // half as many, did each part see all others alike
+    }
+
+    void aSeriesStandsForTheLastBounces_data()
+    {
+        QTest::addColumn<bool>("isEarly");
+        QTest::newRow("cornell") << true;
+        QTest::newRow("two_rooms") << false; // light still finds its way into the other room
+    }
+    void aSeriesStandsForTheLastBounces() // as far off as it is taken to be, or no further than bounces to the gain
+    {
+        QFETCH(bool, isEarly);
+        Voxels voxels(*sampleScene(QTest::currentDataTag()), 32, 0.3f);
+        BounceParams params;
+        params.directions = params.leastDirections = 128;
+        EntryValues light;
+        std::vector<glm::vec3> albedo;
+        for (const Orientation& o : voxels.entries()) {
+            const float lit = o.centroid.x < voxels.surface->lattice.lowest.x + 1.0f ? 1.0f : 0.0f;
+            light.values.insert(light.values.end(), {lit, 0.5f * lit, 0.0f});
+            albedo.emplace_back(0.8f, 0.5f, 0.3f);
+        }
+        const auto table = voxels.stored(params.directions);
+        Workers workers(2);
+        const auto solved = [&](float gain, float seriesOff, int& bounces) {
+            params.leastGain = gain, params.seriesOff = seriesOff;
+            return bounceLight(*voxels.rays, *voxels.surface, *voxels.orders, light, albedo, params, workers, {},
+                               &bounces, table.get());
+        };
+        int all = 0, some = 0, early = 0;
+        const EntryValues exact = solved(1e-6f, 0.0f, all), usual = solved(0.005f, 0.0f, some),
+                          series = solved(0.005f, 0.5f, early);
+        const auto offBy = [&](const EntryValues& of) { // as a share of an entry's light, mean by area
+            double off = 0.0, area = 0.0;
+            for (std::size_t e = 0; e < voxels.entries().size(); ++e) {
+                double apart = 0.0, come = 0.0;
+                for (std::size_t c = 3 * e; c < 3 * e + 3; ++c) {
+                    apart += std::abs(static_cast<double>(of.values[c]) - static_cast<double>(exact.values[c]));
+                    come += static_cast<double>(exact.values[c]);
+                }
+                if (!(come > 0.0)) continue;
+                off += static_cast<double>(voxels.entries()[e].area) * apart / come;
+                area += static_cast<double>(voxels.entries()[e].area);
+            }
+            return off / area;
+        };
+        qInfo("%d bounces, %d to the gain, off by %.5f, %d by the series, off by %.5f", all, some, offBy(usual), early,
+              offBy(series));
+        QVERIFY(isEarly ? early < some : early == some);
+        QVERIFY(some < all);
+        QVERIFY(offBy(series) <= std::max(2.0 * 0.5 * 0.005, offBy(usual))); // it is told about twice too small at most
+        for (std::size_t i = 2; i < series.values.size(); i += 3) QCOMPARE(series.values[i], 0.0f); // no blue light
     }
 
     void reflectionOfAPlane() // A4: an open scene, by the code that furnaces use

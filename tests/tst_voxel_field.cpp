@@ -249,6 +249,26 @@ private Q_SLOTS:
         QVERIFY(alone.counters.bounces > 3 && shown.counters.bounces == alone.counters.bounces);
     }
 
+    void noRoughPictureWhereTheFieldIsThereAsSoon() // a lamp is moved, and all else is kept
+    {
+        Scene moved = *sampleScene("two_rooms");
+        BakeJob job{share(moved), voxelParams(32, 128), {}};
+        job.roughFirst = true;
+        VoxelSolver solver;
+        BakeProducts products;
+        QCOMPARE(runSolver(solver, job, products).snapshots.size(), std::size_t{2});
+        moved.lights.front().position.x += 0.2f;
+        job.scene = share(std::move(moved));
+        const Baked second = runSolver(solver, job, products);
+        QCOMPARE(second.snapshots.size(), std::size_t{1});
+        QVERIFY(second.snapshots[0].isFinal && !second.snapshots[0].isRough && second.snapshots[0].level == 32);
+        const Baked whole = bakeVoxels(job.scene, job.params);
+        for (std::size_t g = 0; g < job.scene->groups.size(); ++g)
+            QVERIFY(isSame(*voxelsOf(second).layers()[g], *voxelsOf(whole).layers()[g]));
+        job.params.voxelDirections = 256; // other partners
+        QCOMPARE(runSolver(solver, job, products).snapshots.size(), std::size_t{2});
+    }
+
     void aStoppedBakeSaysSo()
     {
         const auto scene = share(*sampleScene("cornell"));

@@ -6,6 +6,8 @@
 #include "core/transport/first_light.h"
 #include "light_helpers.h"
 #include <QtTest>
+#include <cmath>
+#include <limits>
 
 using namespace lightloom;
 using namespace lightloom::test;
@@ -94,6 +96,39 @@ private Q_SLOTS:
             qInfo("rho %g: %.4f of what is expected", double(rho), sum / area / expected);
             QVERIFY(std::abs(sum / area / expected - 1.0) <= 0.02);
         }
+    }
+
+    void eightShadowRaysAreEightSingleOnes()
+    {
+        const VoxelScene s(*sampleScene("atrium"), 16);
+        const Bounds& bounds = s.scene->bounds;
+        Rng rng(1, 2, 3);
+        const auto anywhere = [&] {
+            return bounds.low + glm::vec3(rng.uniform(), rng.uniform(), rng.uniform()) * bounds.size();
+        };
+        int blocked = 0, asked = 0, others = 0;
+        for (int round = 0; round < 5000; ++round) {
+            const std::size_t count = 1 + static_cast<std::size_t>(round) % Sights8::kCount;
+            Sights8 sights{};
+            glm::vec3 from[Sights8::kCount], to[Sights8::kCount];
+            for (std::size_t i = 0; i < count; ++i) {
+                from[i] = anywhere(), to[i] = round % 2 == 0 ? anywhere() : bounds.centre();
+                if (round % 50 == 7 && i == 1) to[i].y = std::numeric_limits<float>::quiet_NaN();
+                sights.set(i, from[i], to[i]);
+            }
+            const std::uint32_t found = s.rays->areBlocked(sights, count);
+            QVERIFY(found >> count == 0u);
+            for (std::size_t i = 0; i < count; ++i) {
+                const bool single = s.rays->isBlocked(from[i], to[i]), isFound = (found >> i & 1u) != 0;
+                if (std::isnan(to[i].y)) QVERIFY(isFound && single);
+                others += single != isFound ? 1 : 0;
+                blocked += single ? 1 : 0;
+                ++asked;
+            }
+        }
+        qInfo("%d of %d blocked, %d told otherwise", blocked, asked, others);
+        QVERIFY(blocked > asked / 10 && blocked < asked * 9 / 10);
+        QVERIFY(others <= asked / 10'000); // along edges rounding may decide
     }
 
     void lampsAreKeptApart()

@@ -2,6 +2,8 @@
 #include "core/transport/entry_means.h"
 #include "core/base/units.h"
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace lightloom {
@@ -81,38 +83,61 @@ std::shared_ptr<const EntryMeans> meansOf(const Rows& rows)
 
 } // namespace
 
+namespace {
+
+/// Red, green and blue of one light group's entries, and their luminance.
+std::vector<Floats4> litBy(const EntryValues& values, std::size_t firstChannel)
+{
+    std::vector<Floats4> lit(values.entries());
+    const float* from = values.values.data() + firstChannel;
+    for (Floats4& l : lit) {
+        l = Floats4{from[0], from[1], from[2], luminance(glm::vec3(from[0], from[1], from[2]))};
+        from += values.channels;
+    }
+    return lit;
+}
+
+} // namespace
+
 EntryValues EntryMeans::of(const EntryValues& values, float within, Workers& workers, const std::stop_token& stop) const
 {
     EntryValues out{values.channels, std::vector<float>(values.values.size())};
     const auto channels = static_cast<std::size_t>(values.channels);
     const std::size_t entries = values.entries();
-    const bool whole = workers.run((entries + kTogether - 1) / kTogether, stop, [&](std::size_t job) {
-        for (std::size_t e = job * kTogether; e < std::min(entries, (job + 1) * kTogether); ++e) {
-            for (std::size_t c = 0; c < channels; c += 3) {
-                const glm::vec3 mean = meanAt(e, &values.values[c], channels, within);
-                for (int k = 0; k < 3; ++k) out.values[e * channels + c + static_cast<std::size_t>(k)] = mean[k];
+    for (std::size_t c = 0; c < channels; c += 3) {
+        const std::vector<Floats4> lit = litBy(values, c);
+        const bool whole = workers.run((entries + kTogether - 1) / kTogether, stop, [&](std::size_t job) {
+            for (std::size_t e = job * kTogether; e < std::min(entries, (job + 1) * kTogether); ++e) {
+                const Floats4 mean = std::isinf(within) ? meanAt(e, lit) : meanWithin(e, lit, within);
+                for (std::size_t k = 0; k < 3; ++k) out.values[e * channels + c + k] = mean[k];
             }
-        }
-    });
-    return whole ? out : EntryValues{};
+        });
+        if (!whole) return {};
+    }
+    return out;
 }
 
-/// Of one light group, whose red values are `values[entry * channels]`.
-glm::vec3 EntryMeans::meanAt(std::size_t e, const float* values, std::size_t channels, float within) const
+Floats4 EntryMeans::meanAt(std::size_t e, std::span<const Floats4> lit) const
 {
-    const auto valueOf = [&](std::size_t entry) {
-        const float* v = values + entry * channels;
-        return glm::vec3(v[0], v[1], v[2]);
-    };
-    const float here = luminance(valueOf(e));
-    glm::vec3 sum(0.0f);
+    Floats4 sum{};
     float parts = 0.0f;
     for (std::uint32_t i = first[e]; i < first[e + 1]; ++i) {
-        const glm::vec3 value = valueOf(from[i]);
-        const float there = luminance(value);
-        const float apart = std::abs(there - here);
-        const float off = apart > 0.0f ? apart / (within * glm::max(here, there)) : 0.0f;
-        const float share = part[i] * glm::max(0.0f, 1.0f - off * off);
+        sum += part[i] * lit[from[i]];
+        parts += part[i];
+    }
+    return sum / parts;
+}
+
+Floats4 EntryMeans::meanWithin(std::size_t e, std::span<const Floats4> lit, float within) const
+{
+    constexpr float kDark = std::numeric_limits<float>::min(); // where neither has any light
+    const float here = lit[e][3];
+    Floats4 sum{};
+    float parts = 0.0f;
+    for (std::uint32_t i = first[e]; i < first[e + 1]; ++i) {
+        const Floats4 value = lit[from[i]];
+        const float there = value[3], off = (there - here) / (within * std::max(here, there) + kDark);
+        const float share = part[i] * std::max(0.0f, 1.0f - off * off);
         sum += share * value;
         parts += share;
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "core/base/parallel.h"
+#include "core/base/wide_vectors.h"
 #include "core/transport/entry_values.h"
 #include "core/transport/surface_voxels.h"
 
@@ -19,7 +20,9 @@ struct EntryMeans {
                                  const std::stop_token& stop) const;
 
 private:
-    [[nodiscard]] glm::vec3 meanAt(std::size_t e, const float* values, std::size_t channels, float within) const;
+    /// Of values and their luminance by entry.
+    [[nodiscard]] Floats4 meanAt(std::size_t e, std::span<const Floats4> lit) const;
+    [[nodiscard]] Floats4 meanWithin(std::size_t e, std::span<const Floats4> lit, float within) const;
 };
 
 /// Over the entries of the voxel and its 26 neighbours that belong to the same surface: their normals are within 45

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/transport/light_strip.h"
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace lightloom {
@@ -19,7 +20,8 @@ LightStrip::LightStrip(const RowOrder& order, std::span<const glm::vec3> albedo,
     : order_(order), firstChannel_(firstChannel),
       channels_(std::min(kMostChannels, static_cast<std::size_t>(radiosity.channels) - firstChannel)),
       albedo_(order.size(), channels_), leaving_(order.size(), channels_), arriving_(order.size(), channels_),
-      all_(order.size(), channels_), cosines_(order.size()), groups_((channels_ + 2) / 3)
+      before_(order.size(), channels_), all_(order.size(), channels_), cosines_(order.size()), lumenBefore_(channels_),
+      groups_((channels_ + 2) / 3)
 {
     const float* from = radiosity.values.data() + firstChannel;
     const auto stride = static_cast<std::size_t>(radiosity.channels);
@@ -33,7 +35,7 @@ LightStrip::LightStrip(const RowOrder& order, std::span<const glm::vec3> albedo,
 
 std::size_t LightStrip::bytesFor(std::size_t entries)
 {
-    return (entries + 1) * (4 * ChannelLines::kMostWidth * sizeof(ChannelLines::Four) + sizeof(float));
+    return (entries + 1) * (5 * ChannelLines::kMostWidth * sizeof(ChannelLines::Four) + sizeof(float));
 }
 
 void LightStrip::beginBounce(std::size_t directions, bool looksForBright)
@@ -81,20 +83,45 @@ void LightStrip::arrive(const RayScene& rays, const SurfaceVoxels& voxels, std::
     }
 }
 
-/// Lumen of each group that the bounce brings to all entries, its three channels together.
+/// Lumen of each channel that the bounce brings to all entries.
 std::vector<double> LightStrip::lumenArrived() const
 {
     constexpr std::size_t kTogether = 64; // rows whose sum fits into a float
     const std::size_t width = arriving_.width;
-    std::vector<double> lumen(groups_.size());
+    std::vector<double> lumen(channels_);
     for (std::size_t first = 0; first < order_.size(); first += kTogether) {
         Floats4 sums[ChannelLines::kMostWidth] = {};
         for (std::size_t r = first; r < std::min(order_.size(), first + kTogether); ++r)
             for (std::size_t w = 0; w < width; ++w)
                 sums[w] += lanes(arriving_, r * width + w) * order_.orientations[r].area;
-        for (std::size_t c = 0; c < channels_; ++c) lumen[c / 3] += static_cast<double>(sums[c / 4][c % 4]);
+        for (std::size_t c = 0; c < channels_; ++c) lumen[c] += static_cast<double>(sums[c / 4][c % 4]);
     }
     return lumen;
+}
+
+/// How far each channel's further bounces, taken to bring `shares` of the one before each, are off at an entry, as a
+/// share of all that has come to it: about as far as this bounce is off those shares of the one before, times the rest
+/// of the series. Mean by area over some of the entries.
+double LightStrip::offBySeries(std::size_t group, std::span<const double> shares) const
+{
+    constexpr std::size_t kSome = 1024;
+    const std::size_t step = std::max<std::size_t>(1, order_.size() / kSome), first = 3 * group;
+    const std::size_t end = std::min(channels_, first + 3);
+    double sum = 0.0, area = 0.0;
+    for (std::size_t r = 0; r < order_.size(); r += step) {
+        const float *lux = arriving_.line(r), *before = before_.line(r), *all = all_.line(r);
+        double off = 0.0, come = 0.0;
+        for (std::size_t c = first; c < end; ++c) {
+            const double share = shares[c - first], now = static_cast<double>(lux[c]);
+            off += std::abs(now - share * static_cast<double>(before[c])) * share / (1.0 - share);
+            come += static_cast<double>(all[c]) + now;
+        }
+        if (!(come > 0.0)) continue;
+        const auto size = static_cast<double>(order_.orientations[r].area);
+        sum += size * off / come;
+        area += size;
+    }
+    return area > 0.0 ? sum / area : 0.0;
 }
 
 void LightStrip::passOn(std::size_t first, std::size_t end, bool isFirst)
@@ -104,7 +131,7 @@ void LightStrip::passOn(std::size_t first, std::size_t end, bool isFirst)
         lanes(leaving_, i) = lanes(arriving_, i) * lanes(albedo_, i) + lanes(leaving_, i) * kept;
 }
 
-bool LightStrip::endBounce(float leastGain, bool isLast)
+bool LightStrip::endBounce(float leastGain, float seriesOff, bool isLast)
 {
     const std::vector<double> lumen = lumenArrived();
     alignas(16) float weights[kMostChannels + 1] = {}; // of groups that are done: 0
@@ -112,14 +139,25 @@ bool LightStrip::endBounce(float leastGain, bool isLast)
     for (std::size_t g = 0; g < groups_.size(); ++g) {
         Group& group = groups_[g];
         if (group.isDone) continue;
-        group.sum += lumen[g];
-        group.isDone = isLast || lumen[g] <= static_cast<double>(leastGain) * group.sum;
+        const std::size_t first = 3 * g, count = std::min<std::size_t>(3, channels_ - first);
+        double arrived = 0.0, shares[3] = {};
+        bool isFading = true;
+        for (std::size_t c = 0; c < count; ++c) {
+            const double now = lumen[first + c], before = lumenBefore_[first + c];
+            arrived += now;
+            isFading &= now < before || now == 0.0;
+            shares[c] = now < before ? now / before : 0.0;
+        }
+        const double gain = static_cast<double>(leastGain), off = static_cast<double>(seriesOff) * gain;
+        group.sum += arrived;
+        group.isDone =
+            isLast || arrived <= gain * group.sum || (off > 0.0 && isFading && offBySeries(g, shares) <= off);
         // each further bounce is taken to bring the same share of the one before
-        const double share = group.isDone && group.before > lumen[g] ? lumen[g] / group.before : 0.0;
-        std::fill_n(weights + 3 * g, 3, static_cast<float>(1.0 / (1.0 - share)));
-        group.before = lumen[g];
+        for (std::size_t c = 0; c < count; ++c)
+            weights[first + c] = static_cast<float>(group.isDone ? 1.0 / (1.0 - shares[c]) : 1.0);
         areDone &= group.isDone;
     }
+    lumenBefore_ = lumen;
     const std::size_t width = all_.width;
     for (std::size_t i = 0; i < order_.size() * width; i += width) {
         for (std::size_t w = 0; w < width; ++w) {
@@ -128,6 +166,7 @@ bool LightStrip::endBounce(float leastGain, bool isLast)
             lanes(leaving_, i + w) = lux * lanes(albedo_, i + w);
         }
     }
+    std::swap(arriving_, before_);
     return areDone;
 }
 

@@ -35,24 +35,28 @@ public:
     /// before is still to be met by others; later ones have carried that on.
     void passOn(std::size_t first, std::size_t end, bool isFirst);
     /// Adds to the result what has arrived, and reflects it. A group ends with a bounce that adds no more than
-    /// `leastGain` of the sum, or is the last; what would still come is added as a geometric series. True: all have.
-    bool endBounce(float leastGain, bool isLast);
+    /// `leastGain` of the sum, or is the last, or after which each entry's light goes on as a geometric series so
+    /// nearly that in place of all further bounces it would be off by `seriesOff` times `leastGain` of the entry's sum,
+    /// on average. What would still come is added as that series, each channel by itself. True: all have ended.
+    bool endBounce(float leastGain, float seriesOff, bool isLast);
     /// The sums of all bounces, lux, into their channels of `lux`.
     void writeTo(EntryValues& lux) const;
 
 private:
     struct Group {
-        double sum = 0.0, before = 0.0; // lumen of all bounces, of the last one
+        double sum = 0.0; // lumen of all bounces
         bool isDone = false;
         std::vector<BrightEntry> bright;
     };
     void takeBright(std::size_t group, std::size_t directions);
     [[nodiscard]] std::vector<double> lumenArrived() const;
+    [[nodiscard]] double offBySeries(std::size_t group, std::span<const double> shares) const;
 
     const RowOrder& order_;
     std::size_t firstChannel_, channels_;
-    ChannelLines albedo_, leaving_, arriving_, all_;
+    ChannelLines albedo_, leaving_, arriving_, before_, all_; // lux of the bounce, of the one before, of all
     std::vector<float> cosines_;
+    std::vector<double> lumenBefore_; // by channel
     std::vector<Group> groups_;
 };
 

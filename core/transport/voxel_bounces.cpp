@@ -41,7 +41,7 @@ public:
             if (!(inTurn ? carryInTurn(strips, directions, bounce == 1) : carry(strips, directions, all()))) return 0;
             bool areDone = true;
             for (LightStrip& strip : strips)
-                areDone &= strip.endBounce(params_.leastGain, bounce >= params_.mostBounces);
+                areDone &= strip.endBounce(params_.leastGain, params_.seriesOff, bounce >= params_.mostBounces);
             if (areDone) return bounce;
             done(1.0 - std::ldexp(1.0, -bounce)); // each costs half of the one before
             directions = std::max(least, directions / 2);

@@ -9,7 +9,8 @@ namespace lightloom {
 struct BounceParams {
     int directions = 512;     ///< of the first bounce; each later one has half as many,
     int leastDirections = 64; ///< at least these
-    float leastGain = .005f;  ///< a light group's bounces end when one adds less than this share
+    float leastGain = .005f;  ///< a light group's bounces end when one adds less than this share,
+    float seriesOff = .5f;    ///< or when a series in place of all further ones is off by this share of that; 0: never
     int mostBounces = 64;     ///< what is still missing then, and after `leastGain`, is a geometric series: it is added
     VoxelBounces order = VoxelBounces::halving; ///< `gaussSeidel` wants all directions stored
 };

@@ -82,6 +82,22 @@ public:
         return std::make_shared<const VoxelField>((*geometry)->surface, std::move(layers), job_.mix);
     }
 
+    /// Whether it takes so little, since an earlier bake left all that lamps do not change, that no rough picture is
+    /// worth its time.
+    [[nodiscard]] bool isSwift() const
+    {
+        constexpr double kFew = 1 << 24; // sums of a first bounce: a field in some 25 ms of one core
+        const auto geometry = products_.find<VoxelGeometry>(geometryKey());
+        if (!geometry || !products_.find<PartnerTable>(partnersKey()) || !products_.find<EntryPoints>(pointsKey()))
+            return false;
+        if (params_.voxelRays > 0 && !products_.find<RayPartners>(raysKey())) return false;
+        if (params_.voxelPhotons > 0 && !geometry->surface->matt.empty()) return false;
+        double missing = 0.0;
+        for (int g = 0; g < static_cast<int>(job_.scene->groups.size()); ++g)
+            missing += !isOff(job_.mix, g) && !products_.find<VoxelLayer>(layerKey(g)) ? 1.0 : 0.0;
+        return missing * params_.voxelDirections * static_cast<double>(geometry->voxels->entries.size()) <= kFew;
+    }
+
 private:
     void tell(Stage stage, double fraction)
     {
@@ -99,6 +115,18 @@ private:
     {
         return fmt::format("{}voxels {} shift {} {} ", scene_.reachKey, params_.voxelSize, params_.gridShift,
                            kVoxelLinesNames[static_cast<std::size_t>(params_.voxelLines)]);
+    }
+    [[nodiscard]] std::string partnersKey() const
+    {
+        return fmt::format("{}partners {} {}", geometryKey(), params_.voxelDirections, params_.voxelPartnerMemory);
+    }
+    [[nodiscard]] std::string pointsKey() const
+    {
+        return fmt::format("{}points {} seed {}", geometryKey(), params_.voxelSamples, params_.seed);
+    }
+    [[nodiscard]] std::string raysKey() const
+    {
+        return fmt::format("{}rays {} seed {}", geometryKey(), params_.voxelRays, params_.seed);
     }
     [[nodiscard]] Result<std::shared_ptr<const VoxelGeometry>> geometry()
     {
@@ -129,8 +157,7 @@ private:
     /// Null: stopped.
     [[nodiscard]] std::shared_ptr<const PartnerTable> partners(const VoxelGeometry& geometry)
     {
-        const std::string key =
-            fmt::format("{}partners {} {}", geometryKey(), params_.voxelDirections, params_.voxelPartnerMemory);
+        const std::string key = partnersKey();
         if (auto kept = products_.find<PartnerTable>(key)) return kept;
         const StageClock clock("partners", control_);
         const auto most = static_cast<std::size_t>(params_.voxelPartnerMemory) << 20;
@@ -146,7 +173,7 @@ private:
     {
         constexpr std::size_t kMostBytes = std::size_t(256) << 20;
         if (EntryPoints::bytesFor(voxels.entries.size(), params_.voxelSamples) > kMostBytes) return nullptr;
-        const std::string key = fmt::format("{}points {} seed {}", geometryKey(), params_.voxelSamples, params_.seed);
+        const std::string key = pointsKey();
         if (auto kept = products_.find<EntryPoints>(key)) return kept;
         const StageClock clock("points", control_);
         auto made =
@@ -158,7 +185,7 @@ private:
     /// Null: stopped.
     [[nodiscard]] std::shared_ptr<const RayPartners> rays(const VoxelGeometry& geometry)
     {
-        const std::string key = fmt::format("{}rays {} seed {}", geometryKey(), params_.voxelRays, params_.seed);
+        const std::string key = raysKey();
         if (auto kept = products_.find<RayPartners>(key)) return kept;
         const StageClock clock("partners by rays", control_);
         auto made = RayPartners::trace(*scene_.rays, *scene_.reach, *geometry.voxels, params_.voxelRays, params_.seed,
@@ -380,6 +407,18 @@ private:
     double before_, share_; ///< of the whole bake's progress
 };
 
+/// All but a rough picture, which took `before` of the bake's time.
+Result<Done> bakeWhole(const BakeJob& job, BakeProducts& products, BakeControl& control, double before)
+{
+    const Result<SceneProducts> scene = sceneProducts(job, products, control);
+    if (!scene) return scene.error();
+    const auto field = VoxelBake(job, job.params, *scene, products, control, before, 1.0 - before).field();
+    if (!field) return field.error();
+    control.progress(Stage::fit, 1.0);
+    control.publish(*field, job.params.voxelSize, true);
+    return Done{};
+}
+
 } // namespace
 
 BakeParams roughVoxelParams(BakeParams params)
@@ -416,6 +455,8 @@ Result<Done> VoxelSolver::bake(const BakeJob& job, BakeProducts& products, BakeC
     if (isRoughFirst) {
         const Result<SceneProducts> scene = sceneProducts(job, products, control, ReachWanted::quick);
         if (!scene) return scene.error();
+        if (VoxelBake(job, job.params, *scene, products, control, 0.0, 1.0).isSwift())
+            return bakeWhole(job, products, control, 0.0);
         const auto field = VoxelBake(job, rough, *scene, products, control, 0.0, kRoughShare).field();
         if (!field) return field.error();
         control.publish(*field, rough.voxelSize, false, true);
@@ -423,14 +464,7 @@ Result<Done> VoxelSolver::bake(const BakeJob& job, BakeProducts& products, BakeC
         work.stages = products.counters.stages;
         products.counters = work;
     }
-    const Result<SceneProducts> scene = sceneProducts(job, products, control);
-    if (!scene) return scene.error();
-    const double before = isRoughFirst ? kRoughShare : 0.0;
-    const auto field = VoxelBake(job, job.params, *scene, products, control, before, 1.0 - before).field();
-    if (!field) return field.error();
-    control.progress(Stage::fit, 1.0);
-    control.publish(*field, job.params.voxelSize, true);
-    return Done{};
+    return bakeWhole(job, products, control, isRoughFirst ? kRoughShare : 0.0);
 }
 
 } // namespace lightloom

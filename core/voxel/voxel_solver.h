@@ -16,7 +16,8 @@ struct VoxelGeometry {
 
 /// Surface voxels -> first light by shadow rays, and by photons where there are mirrors or glass -> bounces along
 /// discrete lines, all lamps at once; lamps that are kept from an earlier bake are left out, and get the same light as
-/// if all were made anew. For jobs with `roughFirst` a coarse lattice is lit and published before.
+/// if all were made anew. For jobs with `roughFirst` a coarse lattice is lit and published before, unless all that
+/// lamps do not change is kept and the field is there as soon.
 class VoxelSolver final : public Solver {
 public:
     Result<Done> bake(const BakeJob& job, BakeProducts& products, BakeControl& control) override;
