@@ -26,7 +26,7 @@ namespace {
 /// The times of one edit, from posting it.
 struct Followed {
     double firstMs = 0, firstCpuMs = 0, settledMs = 0, settledCpuMs = 0;
-    double texturesMs = 0; ///< of it what the window makes of all snapshots
+    double texturesMs = 0, texturesCpuMs = 0; ///< of it what the window makes of all snapshots
 };
 
 /// A session that is posted one edit after another and waits for each to settle.
@@ -70,9 +70,11 @@ private:
         const auto* octree = voxels ? &voxels->octree() : dynamic_cast<const LightOctree*>(snapshot.field.get());
         if (!octree) return;
         const auto began = Clock::now();
+        const double cpuBegan = cpuSeconds(CpuOf::thread);
         const Result<GpuOctree> gpu = makeGpuOctree(*octree);
         if (!gpu) fmt::print("{}\n", gpu.error().message);
         seen_.texturesMs += msSince(began);
+        seen_.texturesCpuMs += 1000.0 * (cpuSeconds(CpuOf::thread) - cpuBegan);
         if (!std::exchange(isFirst_, false)) return;
         firstStages_ = session_.products().counters.stages;
         firstStages_.push_back({"texture arrays", msSince(began), msSince(began), false});
@@ -153,7 +155,7 @@ void measure(const std::string& name, const std::string& wanted, Method method, 
         const Followed one = desk.follow(job);
         first.push_back(one.firstMs), firstCpu.push_back(one.firstCpuMs);
         settled.push_back(one.settledMs), settledCpu.push_back(one.settledCpuMs);
-        field.push_back(one.settledMs - one.texturesMs), fieldCpu.push_back(one.settledCpuMs - one.texturesMs);
+        field.push_back(one.settledMs - one.texturesMs), fieldCpu.push_back(one.settledCpuMs - one.texturesCpuMs);
         for (const StageCost& s : desk.firstStages()) {
             if (!s.isKept) stages[s.stage].push_back(s.wallMs);
         }
