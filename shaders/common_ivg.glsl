@@ -44,13 +44,13 @@ SHARED float gridLeanAlong(float away, uint sight, float n)
     return away > 0.0f ? -n : n;
 }
 
-// What of a vertex counts that may lie behind the surface: little, and where a wall that it sees faces it as the surface
-// does (CornerSide::leaning).
+// How far a wall that a vertex sees faces it as the surface does: then it counts in part (kGridBehind) even where it lies
+// behind the surface (CornerSide::leaning).
 SHARED float gridLean(vec3 away, uvec3 sight, vec3 n)
 {
     float lean = max(gridLeanAlong(away.x, sight.x, n.x),
                      max(gridLeanAlong(away.y, sight.y, n.y), gridLeanAlong(away.z, sight.z, n.z)));
-    return kGridBehind * clamp(lean / kGridLean, 0.0f, 1.0f);
+    return clamp(lean / kGridLean, 0.0f, 1.0f);
 }
 
 // Part of a finer grid in the light at `p`: 0 outside its box, 1 where no face is nearer than `fade` (GridInside).

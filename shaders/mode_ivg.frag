@@ -38,6 +38,7 @@ uniform int mirrors;         // 1: environment maps are added, for metals that h
 out vec4 radiance;
 
 const float kLeastKnown = 0.005; // of trilinear weights: less comes from round a corner
+const float kLeastKnownThere = 0.003; // the same at the surface itself
 const float kLeastCubic = 0.5;   // of Catmull-Rom's weights that must find a value
 
 // Each of a few numbers in turn. As loops they would stay loops inside those over vertices, at twice the time (Mesa).
@@ -210,7 +211,7 @@ vec3 lookupPlace(Grid grid, vec3 surface, vec3 n, float cellsAlong)
 
 #if FILTER == 0
 // Sums up the vertices around `at` that are before the surface and from which no wall hides it, where `mayLean` also
-// those behind that see a wall which faces them as the surface does. Gives their weight.
+// those behind that see a wall which faces them as the surface does. Gives how far a lookup may rest on them.
 float addCorners(Grid grid, sampler3D light, usampler3D sight, vec3 at, vec3 surface, vec3 n, bool mayLean)
 {
     vec3 inside = clamp(at, vec3(0.0), vec3(grid.cells));
@@ -228,12 +229,11 @@ float addCorners(Grid grid, sampler3D light, usampler3D sight, vec3 at, vec3 sur
         if (weight <= 0.0 || seen.w == 0u) continue;
         vec3 away = surface - vec3(vertex);
         float before = gridSide(away, side);
-        if (mayLean) before = max(before, gridLean(away, seen.xyz, n));
-        weight *= before;
+        float leans = mayLean ? gridLean(away, seen.xyz, n) : 0.0;
         weight *= gridSight(away, seen.xyz);
-        if (weight <= 0.0) continue;
-        known += weight;
-        add(light, vertex, weight);
+        known += weight * max(before, leans);
+        weight *= max(before, kGridBehind * leans);
+        if (weight > 0.0) add(light, vertex, weight);
     }
     return known;
 }
@@ -249,7 +249,7 @@ vec4 lookup(Grid grid, sampler3D light, usampler3D sight, sampler3D places, vec3
 #if FILTER == 0
     // in a gap or a corner, nearer vertices may be the only ones
     if (addCorners(grid, light, sight, at, surface, n, false) <= kLeastKnown &&
-        addCorners(grid, light, sight, surface, surface, n, true) <= 0.0)
+        addCorners(grid, light, sight, surface, surface, n, true) <= kLeastKnownThere)
         return vec4(0.0);
 #else
     vec3 inside = clamp(at, vec3(0.0), vec3(grid.cells));

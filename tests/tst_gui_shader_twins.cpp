@@ -166,7 +166,7 @@ const Twin kTwins[] = {
              const unsigned sight = bits(double(std::abs(float(b[i])) * 65535.0f));
              if ((isUp ? sight / 256 : sight % 256) < 255) most = std::max(most, (isUp ? -1.0 : 1.0) * b[(i + 2) % 3]);
          }
-         return dvec4(0.01 * std::min(most / 0.1, 1.0), 0, 0, 0); }, -1, 1},
+         return dvec4(std::min(most / 0.1, 1.0), 0, 0, 0); }, -1, 1},
     {"grid inside", "vec4(gridInside(a.xyz, vec3(-0.75, -0.5, -1.0), vec3(0.5, 0.75, 0.875), 0.25), 0.0, 0.0, 0.0)",
      [](vec4 a, vec4) {
          return vec4(shader::gridInside(xyz(a), vec3(-0.75f, -0.5f, -1.0f), vec3(0.5f, 0.75f, 0.875f), 0.25f), 0, 0, 0); },

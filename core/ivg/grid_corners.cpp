@@ -63,7 +63,8 @@ void trilinearCorners(const GridGeometry& geometry, glm::vec3 at, glm::vec3 p, g
         if (weight <= 0.0f || openness.isOpen[index] == 0) continue;
         const glm::vec3 away = surface - glm::vec3(vertex);
         // both tests fade, or light would jump where a surface that runs aslant loses one vertex after the other
-        float seen = glm::clamp(-glm::dot(away, side) / (glm::length(side) * kBefore), 0.0f, 1.0f);
+        const float seen = glm::clamp(-glm::dot(away, side) / (glm::length(side) * kBefore), 0.0f, 1.0f);
+        if (seen <= 0.0f && allowed == CornerSide::before) continue;
         float lean = 0.0f, sees = 1.0f;
         for (int axis = 0; axis < 3; ++axis) {
             const bool isUp = away[axis] > 0.0f;
@@ -72,8 +73,9 @@ void trilinearCorners(const GridGeometry& geometry, glm::vec3 at, glm::vec3 p, g
             sees *= fade(std::abs(away[axis]) - static_cast<float>(sight) / GridOpenness::kSightUnits - kSlack, kSlack);
             lean = std::max(lean, isUp ? -n[axis] : n[axis]);
         }
-        if (allowed == CornerSide::leaning) seen = std::max(seen, kBehind * std::min(lean / kLean, 1.0f));
-        if (seen * sees > 0.0f) corners.add(index, weight * seen * sees);
+        const float leans = allowed == CornerSide::leaning ? glm::clamp(lean / kLean, 0.0f, 1.0f) : 0.0f;
+        const float counts = std::max(seen, kBehind * leans);
+        if (counts * sees > 0.0f) corners.add(index, weight * sees * counts, weight * sees * std::max(seen, leans));
     }
 }
 
@@ -88,7 +90,7 @@ void tricubicCorners(const GridLattice& lattice, glm::vec3 at, GridFilter filter
                 const float weight =
                     xs[static_cast<std::size_t>(x)] * ys[static_cast<std::size_t>(y)] * zs[static_cast<std::size_t>(z)];
                 const glm::ivec3 vertex = place.cell + glm::ivec3(x, y, z) - 1;
-                corners.add(lattice.index(glm::clamp(vertex, glm::ivec3(0), lattice.cells)), weight);
+                corners.add(lattice.index(glm::clamp(vertex, glm::ivec3(0), lattice.cells)), weight, weight);
             }
         }
     }

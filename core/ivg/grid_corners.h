@@ -8,13 +8,14 @@ namespace lightloom {
 struct GridCorner {
     std::size_t vertex;
     float weight;
+    float known; ///< how far the lookup may rest on it: as `weight`, but whole where a vertex behind the surface leans
 };
 
 /// Up to 64 of them.
 class GridCorners {
 public:
     void clear() { count_ = 0; }
-    void add(std::size_t vertex, float weight) { corners_[count_++] = {vertex, weight}; }
+    void add(std::size_t vertex, float weight, float known) { corners_[count_++] = {vertex, weight, known}; }
     [[nodiscard]] const GridCorner* begin() const { return corners_.data(); }
     [[nodiscard]] const GridCorner* end() const { return corners_.data() + count_; }
     [[nodiscard]] bool isEmpty() const { return count_ == 0; }

@@ -11,7 +11,10 @@ namespace {
 constexpr float kSteepest = 0.5f;     ///< of a lamp's light at a vertex, per cell
 constexpr int kSpreads = 2;           ///< vertices deep that values are carried into walls for Catmull-Rom
 constexpr float kLeastKnown = 0.005f; ///< of trilinear weights: less comes from round a corner
-constexpr float kLeastCubic = 0.5f;   ///< of Catmull-Rom's weights that must find a value
+/// The same at the surface itself: in the corner of three walls that keep .15 of a cell off planes .0034 is in the
+/// room.
+constexpr float kLeastKnownThere = 0.003f;
+constexpr float kLeastCubic = 0.5f; ///< of Catmull-Rom's weights that must find a value
 
 } // namespace
 
@@ -194,14 +197,14 @@ bool IrradianceGrid::findCorners(glm::vec3 p, glm::vec3 n, GridCorners& corners)
     };
     // in a gap or a corner, nearer vertices may be the only ones
     for (const auto [offset, leastKnown, side] :
-         {Try{show_.offset, kLeastKnown, CornerSide::before}, Try{0.0f, 0.0f, CornerSide::leaning}}) {
+         {Try{show_.offset, kLeastKnown, CornerSide::before}, Try{0.0f, kLeastKnownThere, CornerSide::leaning}}) {
         corners.clear();
         trilinearCorners(*geometry_, lookupPlace(lattice, p, n, offset), p, n, side, corners);
         float known = 0.0f;
         for (const GridCorner& c : corners) {
             float most = 0.0f;
             for (std::size_t part = 0; part < parts(); ++part) most = std::max(most, trust(c.vertex, part));
-            known += most > 0.0f ? c.weight : 0.0f;
+            known += most > 0.0f ? c.known : 0.0f;
         }
         if (known > leastKnown) return true;
     }
@@ -215,6 +218,8 @@ bool IrradianceGrid::blend(const GridCorners& corners, glm::vec3 p, glm::vec3 n,
     float share = 0.0f; // of the whole that is known
     for (std::size_t k = 0; k < parts(); ++k) {
         const RemapPart& part = parts_[k];
+        const RemapForm form = remapForm(show_.remap, part, n);
+        if (form.isEmpty()) continue;
         glm::vec3 light(0.0f), slope(0.0f);
         float weight = 0.0f, wanted = 0.0f, place = 0.0f;
         for (const GridCorner& c : corners) {
@@ -222,7 +227,7 @@ bool IrradianceGrid::blend(const GridCorners& corners, glm::vec3 p, glm::vec3 n,
             const float w = c.weight * trust(c.vertex, k);
             if (w == 0.0f) continue;
             weight += w;
-            light += w * partIrradiance(show_.remap, part, keptAt(c.vertex), n);
+            light += w * form.of(keptAt(c.vertex));
             if (part.axis < 0 || !hasSlopes()) continue;
             slope += w * slopes_[c.vertex][sideOf(part.axis, n)];
             place += w * static_cast<float>(geometry_->lattice.vertex(c.vertex)[part.axis]);

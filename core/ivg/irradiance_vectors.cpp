@@ -110,15 +110,6 @@ glm::vec3 fitted(std::size_t term, const IrradianceVectors& vectors)
     return sum;
 }
 
-/// On the axes flux is exact, and what lies behind the surface does not count there; harmonics know how light goes on
-/// between them. Of H(n) - sum of n_a^2 H(+-a), which is 0 on the axes, all but these terms cancel.
-glm::vec3 betweenAxes(std::span<const glm::vec3> terms, const glm::vec3& n)
-{
-    const glm::vec3 linear = n * (1.0f - glm::abs(n));
-    return terms[0] * linear.x + terms[1] * linear.y + terms[2] * linear.z + terms[3] * (n.x * n.y) +
-           terms[4] * (n.y * n.z) + terms[5] * (n.z * n.x);
-}
-
 } // namespace
 
 glm::vec3 alongAxis(const IrradianceVectors& vectors, std::size_t d)
@@ -159,23 +150,37 @@ void keepForRemap(GridRemap remap, const IrradianceVectors& vectors, std::span<g
     for (std::size_t t = 0; t < 6; ++t) kept[6 + t] = fitted(1 + t, vectors);
 }
 
-glm::vec3 partIrradiance(GridRemap remap, const RemapPart& part, std::span<const glm::vec3> kept, const glm::vec3& n)
+RemapForm remapForm(GridRemap remap, const RemapPart& part, const glm::vec3& n)
 {
+    RemapForm form;
     if (part.axis < 0) {
-        if (remap == GridRemap::joined) return betweenAxes(kept.subspan(part.first, part.count), n);
-        return kept[0] + kept[1] * n.x + kept[2] * n.y + kept[3] * n.z + kept[4] * (n.x * n.y) + kept[5] * (n.y * n.z) +
-               kept[6] * (n.z * n.x) + kept[7] * (n.x * n.x - n.y * n.y) + kept[8] * (3.0f * n.z * n.z - 1.0f);
+        if (remap == GridRemap::harmonic) {
+            const std::array<float, kTerms> terms{
+                1.0f, n.x, n.y, n.z, n.x * n.y, n.y * n.z, n.z * n.x, n.x * n.x - n.y * n.y, 3.0f * n.z * n.z - 1.0f};
+            for (std::size_t t = 0; t < terms.size(); ++t) form.add(t, terms[t]);
+            return form;
+        }
+        // On the axes flux is exact, and what lies behind the surface does not count there; harmonics know how light
+        // goes on between them. Of H(n) - sum of n_a^2 H(+-a), which is 0 on the axes, all but these terms cancel.
+        const glm::vec3 linear = n * (1.0f - glm::abs(n));
+        const std::array<float, 6> between{linear.x, linear.y, linear.z, n.x * n.y, n.y * n.z, n.z * n.x};
+        for (std::size_t t = 0; t < between.size(); ++t) form.add(part.first + t, between[t]);
+        return form;
     }
     const std::size_t side = sideOf(part.axis, n);
     const float square = n[part.axis] * n[part.axis];
-    if (remap != GridRemap::paper) return square * kept[side];
-    return square * (kept[3 * side] * n.x + kept[3 * side + 1] * n.y + kept[3 * side + 2] * n.z);
+    if (remap != GridRemap::paper) {
+        form.add(side, square);
+        return form;
+    }
+    for (std::size_t c = 0; c < 3; ++c) form.add(3 * side + c, square * n[static_cast<int>(c)]);
+    return form;
 }
 
 glm::vec3 remapIrradiance(GridRemap remap, std::span<const glm::vec3> kept, const glm::vec3& n)
 {
     glm::vec3 sum(0.0f);
-    for (const RemapPart& part : remapParts(remap)) sum += partIrradiance(remap, part, kept, n);
+    for (const RemapPart& part : remapParts(remap)) sum += remapForm(remap, part, n).of(kept);
     return sum;
 }
 

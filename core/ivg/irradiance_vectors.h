@@ -43,11 +43,35 @@ struct RemapPart {
 ///   paper     the vectors, direction by direction, x y z
 void keepForRemap(GridRemap remap, const IrradianceVectors& vectors, std::span<glm::vec3> kept);
 
-/// What a part adds to the irradiance (lux per channel) of a surface that faces `n` (unit); `kept` is all of a vertex.
-/// One of an axis stands for n_axis^2 of the whole; one of all axes for everything in `harmonic`, and for a correction
-/// that is 0 on the axes in `joined`. Harmonics may give values below 0.
-[[nodiscard]] glm::vec3 partIrradiance(GridRemap remap, const RemapPart& part, std::span<const glm::vec3> kept,
-                                       const glm::vec3& n);
+/// What a part adds to the irradiance of a surface: a sum of numbers kept, each times a factor that only the normal
+/// decides. Of a surface that faces along an axis few are left, or none.
+class RemapForm {
+public:
+    struct Term {
+        std::size_t number; ///< of those kept of a vertex
+        float factor;
+    };
+    void add(std::size_t number, float factor)
+    {
+        if (factor != 0.0f) terms_[count_++] = {number, factor};
+    }
+    [[nodiscard]] bool isEmpty() const { return count_ == 0; }
+    /// Lux per channel; `kept` is all of a vertex.
+    [[nodiscard]] glm::vec3 of(std::span<const glm::vec3> kept) const
+    {
+        glm::vec3 sum(0.0f);
+        for (std::size_t i = 0; i < count_; ++i) sum += terms_[i].factor * kept[terms_[i].number];
+        return sum;
+    }
+
+private:
+    std::array<Term, 9> terms_;
+    std::size_t count_ = 0;
+};
+
+/// For a surface that faces `n` (unit). A part of an axis stands for n_axis^2 of the whole; one of all axes for
+/// everything in `harmonic`, and for a correction that is 0 on the axes in `joined`. Harmonics may give values below 0.
+[[nodiscard]] RemapForm remapForm(GridRemap remap, const RemapPart& part, const glm::vec3& n);
 /// The sum of all parts.
 [[nodiscard]] glm::vec3 remapIrradiance(GridRemap remap, std::span<const glm::vec3> kept, const glm::vec3& n);
 
