@@ -112,9 +112,9 @@ private Q_SLOTS:
     void liesWhereLightBendsMost_data()
     {
         QTest::addColumn<int>("fit");
-        QTest::addColumn<double>("most"); // squares off, of the plain grid's
-        QTest::newRow("of the air alone") << 0 << 0.85;
-        QTest::newRow("fitted to surface, which leaves less to gain") << 1 << 0.95;
+        QTest::addColumn<double>("most"); // RMS off, of the mean light; a plain grid has .171 and .119
+        QTest::newRow("of the air alone") << 0 << 0.157;
+        QTest::newRow("fitted to surface, which leaves less to gain") << 1 << 0.112;
     }
     void liesWhereLightBendsMost() // and brings it nearer to the reference there
     {
