@@ -27,6 +27,8 @@ uniform int mirrors;         // 1: environment maps are added, and show glowing 
 
 out vec4 radiance;
 
+const float kLeastFacing = 0.03; // cosine below which a surface may shade itself: it has hardly any light
+
 // Face and place in a cube map whose six faces are layers: +X -X +Y -Y +Z -Z.
 vec3 cubePlace(vec3 d)
 {
@@ -40,8 +42,11 @@ float shadowOf(SampleLight light, vec3 p, vec3 n, float along)
 {
     if (light.shadow.x < 0.0) return 1.0;
     bool sun = int(light.position.w) == kLampSun;
-    // off the surface by more than a texel: a surface must not shade itself through the map's steps
-    vec3 q = p + n * (light.texel.x * (sun ? 1.0 : along) * 1.8);
+    // Towards the light, as far as a surface that leans falls off across what is filtered: it must not shade itself
+    // through the map's steps. Not along the normal: where light grazes, that would carry shadows' edges away.
+    vec3 toLight = sun ? -light.travel.xyz : (light.position.xyz - p) / along;
+    float texel = light.texel.x * (sun ? 1.0 : along), facing = max(dot(n, toLight), kLeastFacing);
+    vec3 q = p + toLight * (texel * (0.3 + 1.8 * sqrt(max(1.0 - facing * facing, 0.0)) / facing));
     float measured = sun ? dot(q, light.travel.xyz) : length(q - light.position.xyz);
     float depth = (measured - light.shadow.z) * light.shadow.w;
     if (light.shadow.y > 0.5) {

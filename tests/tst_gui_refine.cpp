@@ -33,6 +33,21 @@ Scene boardUnderALamp()
     return builder.finish();
 }
 
+/// A wall that the sun grazes, in a wide place. With a roof before it: its edge keeps the sun off all of the wall, and
+/// at the wall's foot by no more than 2 cm.
+constexpr glm::vec3 kGrazing{-0.1f, -1.0f, 0.0f};
+Scene wallInTheSun(bool hasRoof)
+{
+    SceneBuilder builder("wall");
+    const int grey = builder.addMaterial("grey", glm::vec3(kGrey));
+    builder.add("Floor", quadMesh({-10, 0, 10}, {20, 0, 0}, {0, 0, -20}), grey);
+    builder.add("Wall", boxMesh({-0.2f, 0.0f, -3.0f}, {0.0f, 4.0f, 3.0f}), grey);
+    if (hasRoof) builder.add("Roof", boxMesh({-0.2f, 6.0f, -5.0f}, {0.62f, 6.1f, 5.0f}), grey);
+    builder.addDirectional("Sun", kGrazing, glm::vec3(1000.0f));
+    builder.addCamera("Wall", {4.0f, 2.0f, 0.7f}, {0, 2.0f, 0}, 60.0f);
+    return builder.finish();
+}
+
 /// Of the floor beside the board, against rays: root mean square of the difference over the mean.
 double errorOf(const std::vector<glm::vec4>& picture, const Renderer::Pixels& pixels,
                const std::shared_ptr<const RayScene>& rays)
@@ -119,6 +134,42 @@ private Q_SLOTS:
         // a new picture is none of the old ones'
         QVERIFY(stage.renderer->draw(stage.frame, 0, kSize, gl_.target(), kSize));
         QVERIFY(errorOf(stage.renderer->picture(1), stage.renderer->readBack(), *rays) > 2.0 * after);
+    }
+
+    void sunThatGrazesStaysBehindEdges_data()
+    {
+        QTest::addColumn<bool>("hasRoof");
+        QTest::newRow("in the sun") << false;
+        QTest::newRow("in the shadow of an edge") << true;
+    }
+    void sunThatGrazesStaysBehindEdges()
+    {
+        QFETCH(bool, hasRoof);
+        Stage stage = stageOf(wallInTheSun(hasRoof));
+        const double sunlit = 1000.0 * double(glm::dot(-glm::normalize(kGrazing), glm::vec3(1, 0, 0)));
+        rest(stage);
+        const auto pixels = stage.renderer->readBack();
+        for (const bool isRefined : {false, true}) {
+            if (isRefined) refine(stage);
+            const auto picture = stage.renderer->picture(kSamples);
+            double sum = 0.0, least = 1e9, most = 0.0;
+            int count = 0;
+            for (std::size_t i = 0; i < picture.size(); ++i) {
+                const glm::vec4 at = pixels.position[i];
+                if (picture[i].w < 0.999f || std::abs(at.x) > 1e-4f || at.y < 0.1f || at.y > 3.9f ||
+                    std::abs(at.z) > 2.9f)
+                    continue;
+                const double part = double(picture[i].y) * 3.14159265 / double(kGrey) / sunlit;
+                sum += part, least = std::min(least, part), most = std::max(most, part);
+                ++count;
+            }
+            QVERIFY(count > 5000);
+            qInfo("%.4f of the sun, %.4f to %.4f", sum / count, least, most);
+            if (hasRoof)
+                QVERIFY(sum / count <= 0.01 && most <= 0.5);
+            else
+                QVERIFY(sum / count >= 0.99 && least >= 0.95);
+        }
     }
 
     void glowStaysAndTheMeanIsKept()
