@@ -112,9 +112,9 @@ private Q_SLOTS:
     void liesWhereLightBendsMost_data()
     {
         QTest::addColumn<int>("fit");
-        QTest::addColumn<double>("most"); // RMS off, of the mean light; a plain grid has .171 and .119
+        QTest::addColumn<double>("most"); // RMS off, of the mean light; a plain grid has .171 and .149
         QTest::newRow("of the air alone") << 0 << 0.157;
-        QTest::newRow("fitted to surface, which leaves less to gain") << 1 << 0.112;
+        QTest::newRow("fitted to surface, which leaves less to gain") << 1 << 0.143;
     }
     void liesWhereLightBendsMost() // and brings it nearer to the reference there
     {
@@ -155,7 +155,8 @@ private Q_SLOTS:
         const double mean = all / double(probes.size()), count = double(probes.size());
         qInfo("%zu points, rms %.4f of their light, plain %.4f, %.3f of that", probes.size(),
               std::sqrt(offNested / count) / mean, std::sqrt(offPlain / count) / mean, std::sqrt(offNested / offPlain));
-        QVERIFY(probes.size() > 40 && offNested <= most * offPlain);
+        QVERIFY(probes.size() > 40 && offNested < 0.95 * offPlain);
+        QVERIFY(std::sqrt(offNested / count) <= most * mean);
     }
 
     void outerLayersAreNotMadeAgain() // and another box is filled from kept ways

@@ -18,7 +18,8 @@ struct SurfaceFit {
 /// What is to be added to I_delta . delta, by vertex and direction, so that lookups on surface agree better with what
 /// lands there: the mean of what is missing on the patches that read the vertex in this direction, weighed by how much
 /// they do, and by area. One step of a least-squares fit by simultaneous corrections (SIRT; Gilbert 1972): linear in
-/// the light, and with less noise than before, since photons that land join those that pass.
+/// the light, and with less noise than before, since photons that land join those that pass. Where less than a
+/// hundredth of a cell's face of surface reads a direction, less than half of it.
 ///
 /// `grid` has one light group, without a fit; `landed` by patch of `surface` (SurfaceLight). No value falls below a
 /// quarter of what it was or rises above four times: patches whose area is known badly, at the foot of things, do no
