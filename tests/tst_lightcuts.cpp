@@ -247,6 +247,25 @@ private Q_SLOTS:
         QVERIFY(found[0] == found[1]);
     }
 
+    void endsOfShadowRaysStandInNoRow() // within the middle half of a voxel's surface, evenly, half a cell before it
+    {
+        const Room s(*sampleScene("cornell"), 24, 1);
+        double squares = 0.0;
+        glm::dvec3 sum(0.0);
+        int count = 0;
+        for (const DiscLight& light : s.tree->lights()) {
+            const float cell = s.tree->cellSize(), side = glm::min(cell, std::sqrt(light.area));
+            const glm::vec3 end = s.cuts.endOfRay(*s.tree, light);
+            QVERIFY(s.cuts.endOfRay(*s.tree, light) == end);
+            const glm::vec3 way = end - light.position, aside = (way - 0.5f * cell * light.normal) / side;
+            QVERIFY(std::abs(glm::dot(way, light.normal) - 0.5f * cell) <= 1e-3f * cell);
+            QVERIFY(glm::length(aside) <= 0.25f * 1.4143f + 1e-3f);
+            squares += static_cast<double>(glm::dot(aside, aside)), sum += glm::dvec3(aside), ++count;
+        }
+        QVERIFY(count > 1000);
+        QVERIFY(std::abs(squares / count - 1.0 / 24.0) <= 0.05 / 24.0 * 2.0 && glm::length(sum) / count <= 0.02);
+    }
+
     void theCapHolds()
     {
         const Room room(twoRooms(), 32, 20);

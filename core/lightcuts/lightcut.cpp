@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/lightcuts/lightcut.h"
+#include "core/base/rng.h"
+#include "core/base/sampling.h"
 #include "core/lightcuts/cluster_bound.h"
 #include <algorithm>
+#include <bit>
+#include <cmath>
 
 namespace lightloom {
 namespace {
@@ -18,6 +22,16 @@ constexpr float kHalfShadow = 4.0f, kSettling = 0.8f;
 bool isPlace(const Receiver& at)
 {
     return isFinite(at.position) && isFinite(at.normal) && at.normal != glm::vec3(0.0f);
+}
+
+/// A place in the plane of a light, drawn by where it is: within a square of side 1 around it.
+glm::vec3 asideOf(const DiscLight& light)
+{
+    const auto bits = [](float v) { return std::uint64_t{std::bit_cast<std::uint32_t>(v)}; };
+    const glm::vec3 p = light.position;
+    Rng rng(bits(p.x) << 32 | bits(p.y), hashName("end of a shadow ray"), bits(p.z));
+    const float u = rng.uniform() - 0.5f, v = rng.uniform() - 0.5f;
+    return Frame(light.normal).toWorld({u, v, 0.0f});
 }
 
 } // namespace
@@ -208,6 +222,13 @@ float Lightcuts::visibleTransfer(const LightTree& tree, const Receiver& at, cons
     const float transfer = discTransfer(at, light, &tree == surface_.get() ? near_ : NearRange{});
     if (!(transfer > 0.0f)) return 0.0f;
     return rays_->isBlocked(rays_->leave(at.position, at.normal), endOfRay(tree, light)) ? 0.0f : transfer;
+}
+
+glm::vec3 Lightcuts::endOfRay(const LightTree& tree, const DiscLight& light) const
+{
+    const glm::vec3 end = light.position + light.normal * glm::max(0.5f * tree.cellSize(), rays_->offset());
+    const float half = 0.5f * glm::min(tree.cellSize(), std::sqrt(light.area)); // 0 for lamps
+    return half > 0.0f ? end + half * asideOf(light) : end;
 }
 
 glm::vec3 Lightcuts::everyLight(glm::vec3 p, glm::vec3 n, std::uint64_t number, const LightcutParams& params) const

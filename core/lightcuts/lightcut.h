@@ -56,11 +56,10 @@ public:
                                         const LightSamples& samples, std::size_t first, std::size_t last) const;
 
     [[nodiscard]] const NearRange& nearRange() const { return near_; } ///< empty without a near field
-    /// Where a shadow ray to a light of `tree` ends: half a cell before it, or it would meet the surface beside.
-    [[nodiscard]] glm::vec3 endOfRay(const LightTree& tree, const DiscLight& light) const
-    {
-        return light.position + light.normal * glm::max(0.5f * tree.cellSize(), rays_->offset());
-    }
+    /// Where a shadow ray to a light of `tree` ends: half a cell before it, or it would meet the surface beside. Before
+    /// a place within the middle half of the voxel's surface, drawn once for all receivers: voxels stand in rows, and
+    /// an edge along one would hide the middles of all of them at once.
+    [[nodiscard]] glm::vec3 endOfRay(const LightTree& tree, const DiscLight& light) const;
 
 private:
     friend class CutWalk;
