@@ -12,8 +12,9 @@ namespace {
 
 /// Cells: rays alone up to here, discs alone from there. Between 1.5 to 2.5 and 2 to 4 nothing depends on it.
 constexpr float kNearFrom = 1.5f, kNearTo = 3.0f;
-/// Errors of clusters add up by the root of their number. In larger cuts each may be off by so much less.
-constexpr int kFewNodes = 400;
+/// Errors of clusters add up by the root of their number. In larger cuts each may be off by so much less. Those along
+/// shadows' edges are wrong together: where more than kManyEdges were parted there, each may be off by less once more.
+constexpr int kFewNodes = 400, kManyEdges = 115;
 /// Where one of two halves is hidden and the other is not a shadow's edge falls into the cluster, and what stands for
 /// either may be wrong for it all: their bounds count so many times, that of their own halves kSettling of it, and so
 /// on. Clusters in half shadow are what a cut's error is made of.
@@ -89,7 +90,9 @@ private:
     [[nodiscard]] bool isFine(const LightcutParams& params) const
     {
         if (params.mostNodes > 0 && result_.nodes >= params.mostNodes) return true;
-        const double share = std::min(1.0, std::sqrt(static_cast<double>(kFewNodes) / std::max(1, result_.nodes)));
+        const double few = kFewNodes, many = kManyEdges;
+        const double share =
+            std::sqrt(std::min(1.0, few / std::max(1, result_.nodes))) * std::min(1.0, many / std::max(1, edges_));
         return static_cast<double>(heap_.front().doubted()) <= share * static_cast<double>(params.threshold) * total_;
     }
 
@@ -108,6 +111,7 @@ private:
         Cluster one = half(node.child), other = half(node.child + 1);
         const Standing &a = one.standing, &b = other.standing;
         const bool isHalfShadow = a.isLookedFor && b.isLookedFor && a.isHidden != b.isHidden;
+        edges_ += isHalfShadow ? 1 : 0;
         const float doubt = isHalfShadow ? kHalfShadow : glm::max(1.0f, kSettling * cluster.standing.doubt);
         for (Cluster* child : {&one, &other}) {
             child->standing.doubt = doubt;
@@ -191,6 +195,7 @@ private:
     const Lights surface_, lamps_;
     std::vector<Cluster> heap_;
     double total_ = 0.0; // lux of luminance, as far as it is known
+    int edges_ = 0;      // clusters in half shadow that were parted
     glm::dvec3 sum_{0.0};
     Lightcut result_;
 };
