@@ -12,8 +12,6 @@ constexpr float kApart = 4.0f; ///< neighbours that err apart, of the thirteen o
 
 constexpr float kAnyLight = std::numeric_limits<float>::infinity();
 
-glm::vec3 groupAt(const EntryValues& of, std::size_t i) { return {of.values[i], of.values[i + 1], of.values[i + 2]}; }
-
 void put(EntryValues& into, std::size_t i, glm::vec3 value)
 {
     for (std::size_t k = 0; k < 3; ++k) into.values[i + k] = value[static_cast<int>(k)];
@@ -43,7 +41,7 @@ EntryValues correctedByRays(EntryValues lines, const EntryValues& rays, const st
     const auto channels = static_cast<std::size_t>(lines.channels);
     EntryValues byLines = weighed(lines, open), byRays = weighed(rays, open), squares = lines, shares = asValues(open);
     for (std::size_t i = 0; i < lines.values.size(); i += 3) {
-        const float off = luminance(groupAt(rays, i)) - luminance(groupAt(lines, i));
+        const float off = luminance(rays.groupAt(i)) - luminance(lines.groupAt(i));
         put(squares, i, glm::vec3(open[i / channels] * off * off));
     }
     for (int round = 0; round < kRounds; ++round) {
@@ -55,11 +53,11 @@ EntryValues correctedByRays(EntryValues lines, const EntryValues& rays, const st
     for (std::size_t i = 0; i < lines.values.size(); i += 3) {
         const float share = shares.values[3 * (i / channels)];
         if (!(share > 0.0f)) continue;
-        const glm::vec3 off = (groupAt(byRays, i) - groupAt(byLines, i)) / share;
+        const glm::vec3 off = (byRays.groupAt(i) - byLines.groupAt(i)) / share;
         const float square = luminance(off) * luminance(off);
         const float spread = std::max(0.0f, squares.values[i] / share - square) / kApart;
         if (square <= spread) continue;
-        put(lines, i, glm::max(glm::vec3(0.0f), groupAt(lines, i) + (1.0f - spread / square) * off));
+        put(lines, i, glm::max(glm::vec3(0.0f), lines.groupAt(i) + (1.0f - spread / square) * off));
     }
     return lines;
 }
@@ -74,7 +72,7 @@ EntryValues spreadIntoHidden(EntryValues lux, const std::vector<float>& open, co
     for (std::size_t i = 0; i < lux.values.size(); i += 3) {
         const float own = open[i / channels], share = shares.values[3 * (i / channels)];
         if (own >= 1.0f || !(share > 0.0f)) continue;
-        put(lux, i, glm::mix(groupAt(around, i) / share, groupAt(lux, i), own));
+        put(lux, i, glm::mix(around.groupAt(i) / share, lux.groupAt(i), own));
     }
     return lux;
 }

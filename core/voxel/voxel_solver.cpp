@@ -36,8 +36,6 @@ EntryValues sum(EntryValues a, const EntryValues& b)
     return a;
 }
 
-glm::vec3 groupAt(const EntryValues& of, std::size_t i) { return {of.values[i], of.values[i + 1], of.values[i + 2]}; }
-
 using Layers = std::vector<std::shared_ptr<const VoxelLayer>>;
 
 /// Error out of memory where `bytes` are more than nine tenths of what this machine has.
@@ -223,7 +221,7 @@ private:
             const glm::vec3 n = voxels.entries[i / static_cast<std::size_t>(towards.channels)].normal;
             glm::vec3 tilt(v[0], v[1], v[2]);
             if (!specular.values.empty()) {
-                const float byLines = luminance(groupAt(all, i)), other = luminance(groupAt(specular, i));
+                const float byLines = luminance(all.groupAt(i)), other = luminance(specular.groupAt(i));
                 tilt *= byLines > 0.0f ? byLines / (byLines + other) : 0.0f;
             }
             const glm::vec3 unit = glm::normalize(0.5f * n + tilt);
