@@ -81,10 +81,6 @@ std::shared_ptr<const EntryMeans> meansOf(const Rows& rows)
     return means;
 }
 
-} // namespace
-
-namespace {
-
 /// Red, green and blue of one light group's entries, and their luminance.
 std::vector<Floats4> litBy(const EntryValues& values, std::size_t firstChannel)
 {
