@@ -9,6 +9,7 @@ std::shared_ptr<const VdlLayer> leaningLayer(int group, std::vector<glm::vec3> s
     auto layer = std::make_shared<VdlLayer>();
     layer->group = group;
     layer->flat = towards.empty() ? 0.0f : 0.5f;
+    layer->vdls.reserve(towards.size());
     for (std::size_t e = 0; e < towards.size(); ++e)
         layer->vdls.push_back({0.5f / glm::dot(leaves.entries[e].normal, towards[e]) * scalar[e], towards[e]});
     layer->scalar = std::move(scalar);
