@@ -42,6 +42,7 @@ MixedLights mixAll(const LightOctree& octree, const GpuOctree& gpu)
 {
     MixedLights all;
     all.first.reserve(gpu.entryCount + 1);
+    all.vdls.reserve(gpu.entryCount * static_cast<std::size_t>(gpu.vdlCount));
     forLevels(octree, [&](const OctreeGeometry& geometry, std::size_t level) {
         for (std::size_t e = 0; e < geometry.entries.size(); ++e) {
             all.first.push_back(all.vdls.size());

@@ -194,8 +194,12 @@ void recentre(Centres& centres, int clusters, const Centres& sums)
 
 int clusterDirections(std::span<const LightVector> lights, int k, ClusterScratch& s)
 {
+    if (lights.empty()) return 0;
+    if (k == 1) {
+        s.cluster.assign(lights.size(), 0);
+        return 1;
+    }
     const Directions d = takeIn(lights, s);
-    if (d.groups == 0) return 0;
     Centres centres{};
     const int clusters = seed(centres, std::min(k, kMostClusters), d, s);
     if (clusters == 1) return 1;

@@ -219,6 +219,7 @@ std::size_t LightOctree::memoryBytes() const
 std::vector<Vdl> LightOctree::mixed(At at, int most) const
 {
     std::vector<LightVector> lights;
+    lights.reserve(layers_.size() * static_cast<std::size_t>(most));
     for (std::size_t g = 0; g < layers_.size(); ++g) {
         if (!layers_[g]) continue;
         const glm::vec3 gain = gainOf(mix_, layers_[g]->group);
