@@ -275,51 +275,46 @@ bool RayScene::intersect(glm::vec3 origin, glm::vec3 travel, float most, Hit& hi
 namespace {
 
 /// Whole vectors are written: narrower ones would still be on their way to memory when Embree reads wide ones.
-LIGHTLOOM_WIDE_VECTORS void prepare(const Rays8& rays, std::size_t count, RTCRayHit8& query, int* valid)
+/// Up to distance `most` along d; nothing is met where a ray is not finite or not among the first `count`.
+[[gnu::always_inline]] inline void prepare(const Floats8 (&o)[3], const Floats8 (&d)[3], std::size_t count, float most,
+                                           RTCRay8& ray, int* valid)
 {
     const Floats8 zero{};
-    const Ints8 none{}, all = none - 1;
+    const Ints8 none{}, lane{0, 1, 2, 3, 4, 5, 6, 7};
+    float* const origin[] = {ray.org_x, ray.org_y, ray.org_z};
+    float* const travel[] = {ray.dir_x, ray.dir_y, ray.dir_z};
     Floats8 sum = zero;
-    float* const origin[] = {query.ray.org_x, query.ray.org_y, query.ray.org_z};
-    float* const travel[] = {query.ray.dir_x, query.ray.dir_y, query.ray.dir_z};
     for (int axis = 0; axis < 3; ++axis) {
-        const Floats8 o = lanesOf<Floats8>(rays.origin[axis], 0), d = lanesOf<Floats8>(rays.travel[axis], 0);
-        lanesOf<Floats8>(origin[axis], 0) = o, lanesOf<Floats8>(travel[axis], 0) = d;
-        sum += o + d;
+        lanesOf<Floats8>(origin[axis], 0) = o[axis], lanesOf<Floats8>(travel[axis], 0) = d[axis];
+        sum += o[axis] + d[axis];
     }
-    const Ints8 lane{0, 1, 2, 3, 4, 5, 6, 7};
     const Ints8 isValid = (sum * 0.0f == 0.0f) & (lane < static_cast<int>(count)); // NaN unless all are finite
     lanesOf<Ints8>(valid, 0) = isValid;
-    lanesOf<Floats8>(query.ray.tnear, 0) = lanesOf<Floats8>(query.ray.time, 0) = zero;
-    lanesOf<Floats8>(query.ray.tfar, 0) = isValid ? zero + std::numeric_limits<float>::infinity() : zero - 1.0f;
-    lanesOf<Ints8>(query.ray.mask, 0) = all;
-    lanesOf<Ints8>(query.ray.id, 0) = lanesOf<Ints8>(query.ray.flags, 0) = none;
+    lanesOf<Floats8>(ray.tnear, 0) = lanesOf<Floats8>(ray.time, 0) = zero;
+    lanesOf<Floats8>(ray.tfar, 0) = isValid ? zero + most : zero - 1.0f;
+    lanesOf<Ints8>(ray.mask, 0) = none - 1;
+    lanesOf<Ints8>(ray.id, 0) = lanesOf<Ints8>(ray.flags, 0) = none;
+}
+
+LIGHTLOOM_WIDE_VECTORS void prepare(const Rays8& rays, std::size_t count, RTCRayHit8& query, int* valid)
+{
+    Floats8 o[3], d[3];
+    for (int axis = 0; axis < 3; ++axis)
+        o[axis] = lanesOf<Floats8>(rays.origin[axis], 0), d[axis] = lanesOf<Floats8>(rays.travel[axis], 0);
+    prepare(o, d, count, std::numeric_limits<float>::infinity(), query.ray, valid);
     static_assert(RTC_INVALID_GEOMETRY_ID == ~0u);
-    lanesOf<Ints8>(query.hit.geomID, 0) = lanesOf<Ints8>(query.hit.instID[0], 0) = all;
+    lanesOf<Ints8>(query.hit.geomID, 0) = lanesOf<Ints8>(query.hit.instID[0], 0) = Ints8{} - 1;
 }
 
 /// Rays along all of the way but its very end are one length.
 constexpr float kNearlyThere = 1.0f - 1e-6f;
 
-LIGHTLOOM_WIDE_VECTORS void prepare(const Sights8& sights, std::size_t count, RTCRay8& query, int* valid)
+LIGHTLOOM_WIDE_VECTORS void prepare(const Sights8& sights, std::size_t count, RTCRay8& ray, int* valid)
 {
-    const Floats8 zero{};
-    const Ints8 none{}, all = none - 1;
-    Floats8 sum = zero;
-    float* const origin[] = {query.org_x, query.org_y, query.org_z};
-    float* const travel[] = {query.dir_x, query.dir_y, query.dir_z};
-    for (int axis = 0; axis < 3; ++axis) {
-        const Floats8 o = lanesOf<Floats8>(sights.from[axis], 0), d = lanesOf<Floats8>(sights.to[axis], 0) - o;
-        lanesOf<Floats8>(origin[axis], 0) = o, lanesOf<Floats8>(travel[axis], 0) = d;
-        sum += o + d;
-    }
-    const Ints8 lane{0, 1, 2, 3, 4, 5, 6, 7};
-    const Ints8 isValid = (sum * 0.0f == 0.0f) & (lane < static_cast<int>(count)); // NaN unless all are finite
-    lanesOf<Ints8>(valid, 0) = isValid;
-    lanesOf<Floats8>(query.tnear, 0) = lanesOf<Floats8>(query.time, 0) = zero;
-    lanesOf<Floats8>(query.tfar, 0) = isValid ? zero + kNearlyThere : zero - 1.0f; // blocked where it is not finite
-    lanesOf<Ints8>(query.mask, 0) = all;
-    lanesOf<Ints8>(query.id, 0) = lanesOf<Ints8>(query.flags, 0) = none;
+    Floats8 o[3], d[3];
+    for (int axis = 0; axis < 3; ++axis)
+        o[axis] = lanesOf<Floats8>(sights.from[axis], 0), d[axis] = lanesOf<Floats8>(sights.to[axis], 0) - o[axis];
+    prepare(o, d, count, kNearlyThere, ray, valid); // where it is not finite, it counts as blocked
 }
 
 } // namespace
